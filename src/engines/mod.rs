@@ -1,0 +1,68 @@
+//! What can advance a system: one trait, one list, one file an engine.
+//!
+//! An engine is named by a [`Spec`] such as `rattle` or `rapier:joints=multibody,precision=f64`, is built for one
+//! [`System`] and one step size, and hands out states in the form of [`State`]. It is never asked for its own energy:
+//! every figure is computed from its states by `measure`.
+
+mod spec;
+
+use std::fmt;
+
+use crate::mechanics::{State, System};
+
+pub use spec::{Key, Spec, SpecError};
+
+/// Something that advances a system by a fixed step.
+pub trait Engine {
+    /// Advances by one step. After a failure the engine stays at the last state that it reached.
+    fn step(&mut self) -> Result<(), StepFailure>;
+
+    /// Writes the present state into `out`, which has as many bodies as the system.
+    fn write_state(&self, out: &mut State);
+
+    /// By how much the positions of a state lag behind its velocities, s: the potential energy that goes with the
+    /// velocities is the one at `x - lag * v`. Zero for engines whose state belongs to one time.
+    fn position_lag_s(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Why a step could not be taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepFailure {
+    /// The constraint solve did not reach roundoff.
+    #[error("{detail}")]
+    NotConverged { detail: String },
+    /// The state has stopped being a number.
+    #[error("{detail}")]
+    Diverged { detail: String },
+}
+
+/// Why an engine could not be built for a system.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// The spec is wrong, whatever the system.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The engine has no means for something that this system needs.
+    #[error("engine '{engine}' does not support {what}")]
+    Unsupported { engine: String, what: String },
+}
+
+/// An engine in the list: how it is called, what keys it takes, how it is built.
+pub struct Entry {
+    pub name: &'static str,
+    pub summary: &'static str,
+    pub keys: &'static [Key],
+    /// Builds the engine for a system, from its initial state, with a step size in s.
+    pub build: fn(&Spec, &System, f64) -> Result<Box<dyn Engine>, BuildError>,
+}
+
+impl fmt::Debug for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// All engines. A new one is one file and one line here.
+pub const ENGINES: &[Entry] = &[];

@@ -1,0 +1,1 @@
+//! How far joints are from holding, in position and velocity.

@@ -1,0 +1,1 @@
+//! Joint coordinates: forward kinematics and its inverse.

@@ -1,0 +1,1 @@
+//! Kinetic and potential energy, and the scale that errors are divided by.

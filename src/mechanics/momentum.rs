@@ -1,0 +1,1 @@
+//! Linear and angular momentum, and which of them a system conserves.

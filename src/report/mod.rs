@@ -1,0 +1,1 @@
+//! Records with a schema version, charts and the page.

@@ -1,0 +1,1 @@
+//! The variational integrators for rigid bodies with joints.

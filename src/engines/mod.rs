@@ -10,7 +10,7 @@ use std::fmt;
 
 use crate::mechanics::{State, System};
 
-pub use spec::{Key, Spec, SpecError};
+pub use spec::{Choice, Key, Number, Spec, SpecError};
 
 /// Something that advances a system by a fixed step.
 pub trait Engine {
@@ -38,15 +38,12 @@ pub enum StepFailure {
     Diverged { detail: String },
 }
 
-/// Why an engine could not be built for a system.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BuildError {
-    /// The spec is wrong, whatever the system.
-    #[error(transparent)]
-    Spec(#[from] SpecError),
-    /// The engine has no means for something that this system needs.
-    #[error("engine '{engine}' does not support {what}")]
-    Unsupported { engine: String, what: String },
+/// The engine has no means for something that a system needs.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("engine '{engine}' does not support {what}")]
+pub struct Unsupported {
+    pub engine: String,
+    pub what: String,
 }
 
 /// An engine in the list: how it is called, what keys it takes, how it is built.
@@ -54,8 +51,7 @@ pub struct Entry {
     pub name: &'static str,
     pub summary: &'static str,
     pub keys: &'static [Key],
-    /// Builds the engine for a system, from its initial state, with a step size in s.
-    pub build: fn(&Spec, &System, f64) -> Result<Box<dyn Engine>, BuildError>,
+    build: fn(&Spec, &System, f64) -> Result<Box<dyn Engine>, Unsupported>,
 }
 
 impl fmt::Debug for Entry {
@@ -65,4 +61,12 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub const ENGINES: &[Entry] = &[];
+pub static ENGINES: &[Entry] = &[];
+
+/// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
+///
+/// # Errors
+/// The engine has no means for something that the system needs.
+pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    (spec.entry().build)(spec, system, step)
+}

@@ -12,6 +12,10 @@ mod system;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+pub use system::CompileError;
+
+use coordinates::JointCoordinates;
+
 /// A multibody system ready to be simulated.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -22,6 +26,8 @@ pub struct System {
     pub gravity: Vector3<f64>,
     /// The state at t = 0, on the constraint manifold to roundoff.
     pub initial: State,
+    /// The coordinates that `initial` was built from, one entry a body.
+    pub initial_coordinates: Vec<JointCoordinates>,
     /// What relative energy errors are divided by, J. See [`energy::scale`].
     pub energy_scale: f64,
     /// Set where the root link is free: its frame, seen from the frame of the body that it is part of.

@@ -119,10 +119,7 @@ mod tests {
         assert_eq!(message(-0.01, 1.0), "--step must be > 0 s, got -0.01");
         assert_eq!(message(f64::NAN, 1.0), "--step must be > 0 s, got NaN");
         assert_eq!(message(0.01, 0.0), "--duration must be > 0 s, got 0");
-        assert_eq!(
-            message(2.0, 1.0),
-            "--duration 1 s is shorter than one step of 2 s; use --step 1 or less"
-        );
+        assert_eq!(message(2.0, 1.0), "--duration 1 s is shorter than one step of 2 s; use --step 1 or less");
         assert!(message(1e-300, 1.0).starts_with("1.000e300 steps"));
     }
 }

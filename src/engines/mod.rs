@@ -5,6 +5,7 @@
 //! every figure is computed from its states by `measure`.
 
 pub mod rapier;
+mod rattle;
 mod spec;
 
 use std::fmt;
@@ -65,7 +66,7 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[rapier::ENTRY];
+pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///

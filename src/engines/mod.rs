@@ -4,6 +4,7 @@
 //! [`System`] and one step size, and hands out states in the form of [`State`]. It is never asked for its own energy:
 //! every figure is computed from its states by `measure`.
 
+mod rattle;
 mod spec;
 
 use std::fmt;
@@ -61,7 +62,7 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[];
+pub static ENGINES: &[Entry] = &[rattle::ENTRY];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///

@@ -1,1 +1,14 @@
 //! The variational integrators for rigid bodies with joints.
+//!
+//! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
+//! manifold of the joints. Its linear algebra is the tree recursion of [`tree`]; a body turns by [`rotation`].
+
+mod compensated;
+mod joints;
+mod predictor;
+pub mod rattle;
+pub mod rotation;
+mod spatial;
+mod tree;
+
+pub use rattle::{Failure, Rattle};

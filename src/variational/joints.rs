@@ -1,0 +1,195 @@
+//! Bodies and joints in the layout of the core: index 0 is the ground, body `b` of the system is node `b + 1`.
+
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3, Vector4};
+
+use super::spatial::{Spatial, Twist, Wrench};
+use crate::mechanics::{JointKind, System};
+
+/// A body and the joint that it hangs on. Constant over a run.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub parent: usize,
+    pub kind: JointKind,
+    /// kg
+    pub mass: f64,
+    /// Principal moments, kg m^2.
+    pub inertia: Vector3<f64>,
+    /// Origin of the joint frame in the body frame, m.
+    pub arm: Vector3<f64>,
+    /// Axes of the joint frame in the body frame.
+    pub frame: Matrix3<f64>,
+    /// Origin of the joint frame in the parent's body frame, m.
+    pub parent_arm: Vector3<f64>,
+    /// Axes of the joint frame in the parent's body frame.
+    pub parent_frame: Matrix3<f64>,
+    /// N m s/rad or N s/m, for each coordinate.
+    pub damping: f64,
+}
+
+/// The system's bodies behind a node for the ground.
+pub(super) fn nodes(system: &System) -> Vec<Node> {
+    let ground = Node {
+        parent: 0,
+        kind: JointKind::Floating,
+        mass: f64::INFINITY,
+        inertia: Vector3::repeat(f64::INFINITY),
+        arm: Vector3::zeros(),
+        frame: Matrix3::identity(),
+        parent_arm: Vector3::zeros(),
+        parent_frame: Matrix3::identity(),
+        damping: 0.0,
+    };
+    let bodies = system.bodies.iter().map(|body| Node {
+        parent: body.joint.parent.map_or(0, |p| p + 1),
+        kind: body.joint.kind,
+        mass: body.mass,
+        inertia: body.inertia,
+        arm: body.joint.in_child.translation.vector,
+        frame: body.joint.in_child.rotation.to_rotation_matrix().into_inner(),
+        parent_arm: body.joint.in_parent.translation.vector,
+        parent_frame: body.joint.in_parent.rotation.to_rotation_matrix().into_inner(),
+        damping: body.joint.damping,
+    });
+    std::iter::once(ground).chain(bodies).collect()
+}
+
+/// Where a body is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose {
+    /// Centre of mass, m.
+    pub x: Vector3<f64>,
+    /// Attitude, quaternion coordinates (i, j, k, w).
+    pub q: Vector4<f64>,
+    /// The same as a matrix, body axes to world axes.
+    pub r: Matrix3<f64>,
+}
+
+impl Pose {
+    pub(super) const GROUND: Pose = Pose {
+        x: Vector3::new(0.0, 0.0, 0.0),
+        q: Vector4::new(0.0, 0.0, 0.0, 1.0),
+        r: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    };
+
+    #[inline(always)]
+    pub(super) fn new(x: Vector3<f64>, q: Vector4<f64>) -> Pose {
+        let r = UnitQuaternion::new_unchecked(Quaternion::from(q)).to_rotation_matrix().into_inner();
+        Pose { x, q, r }
+    }
+}
+
+/// A joint's place in a configuration, world axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// From the body's centre of mass to its joint point, the origin of the child's joint frame.
+    pub arm: Vector3<f64>,
+    /// From the parent's joint point to this one.
+    pub offset: Vector3<f64>,
+    /// Axes of the joint frame that is fixed in the parent.
+    pub axes: Matrix3<f64>,
+}
+
+impl Place {
+    pub(super) const GROUND: Place =
+        Place { arm: Vector3::new(0.0, 0.0, 0.0), offset: Vector3::new(0.0, 0.0, 0.0), axes: Pose::GROUND.r };
+
+    /// `parent_arm_at` is the [`Place::arm`] of the parent.
+    #[inline(always)]
+    pub(super) fn new(node: &Node, pose: &Pose, parent: &Pose, parent_arm_at: &Vector3<f64>) -> Place {
+        let arm = pose.r * node.arm;
+        let offset = match node.kind {
+            JointKind::Revolute | JointKind::Spherical => parent.r * node.parent_arm - parent_arm_at,
+            JointKind::Prismatic | JointKind::Planar | JointKind::Floating => {
+                (pose.x - parent.x) + (arm - parent_arm_at)
+            }
+        };
+        Place { arm, offset, axes: parent.r * node.parent_frame }
+    }
+}
+
+/// What of a relative pose the joint does not allow: the twist that would build it up in one second. World axes; the
+/// rotation part is exact to first order, and zero exactly where the joint holds.
+#[inline(always)]
+pub(super) fn mismatch(node: &Node, pose: &Pose, parent: &Pose) -> Twist {
+    let gap = || (pose.x - parent.x) + (pose.r * node.arm - parent.r * node.parent_arm);
+    // The z axes of both joint frames: their cross product turns the parent's into the child's.
+    let axis = || parent.r * node.parent_frame.column(2);
+    let tilt = |axis: &Vector3<f64>| axis.cross(&(pose.r * node.frame.column(2)));
+    match node.kind {
+        JointKind::Revolute => Spatial::new(gap(), tilt(&axis())),
+        JointKind::Spherical => Spatial::new(gap(), Vector3::zeros()),
+        JointKind::Prismatic => {
+            let (gap, axis) = (gap(), axis());
+            let (child, parent_axes) = (pose.r * node.frame, parent.r * node.parent_frame);
+            let turn = (0..3).map(|k| parent_axes.column(k).cross(&child.column(k))).sum::<Vector3<f64>>();
+            Spatial::new(gap - axis * axis.dot(&gap), 0.5 * turn)
+        }
+        JointKind::Planar => {
+            let axis = axis();
+            Spatial::new(axis * axis.dot(&gap()), tilt(&axis))
+        }
+        JointKind::Floating => Spatial::ZERO,
+    }
+}
+
+/// Takes away what a wrench about the joint point has along the joint's free directions.
+#[inline(always)]
+pub(super) fn keep_locked(node: &Node, place: &Place, wrench: &mut Wrench) {
+    let z = place.axes.column(2);
+    match node.kind {
+        JointKind::Revolute => wrench.angular -= z * z.dot(&wrench.angular),
+        JointKind::Prismatic => wrench.linear -= z * z.dot(&wrench.linear),
+        JointKind::Planar => {
+            wrench.linear = z * z.dot(&wrench.linear);
+            wrench.angular -= z * z.dot(&wrench.angular);
+        }
+        JointKind::Spherical => wrench.angular = Vector3::zeros(),
+        JointKind::Floating => *wrench = Spatial::ZERO,
+    }
+}
+
+/// Components of a wrench along the coordinates of a joint with at most three of them.
+pub(super) fn coordinates_of(node: &Node, place: &Place, wrench: &Wrench) -> Vector3<f64> {
+    let (force, torque) = (place.axes.tr_mul(&wrench.linear), place.axes.tr_mul(&wrench.angular));
+    match node.kind {
+        JointKind::Revolute => Vector3::new(torque.z, 0.0, 0.0),
+        JointKind::Prismatic => Vector3::new(force.z, 0.0, 0.0),
+        JointKind::Planar => Vector3::new(force.x, force.y, torque.z),
+        JointKind::Spherical => torque,
+        JointKind::Floating => Vector3::zeros(),
+    }
+}
+
+/// The wrench on the child about the joint point that has the given components along the joint's coordinates.
+pub(super) fn along_joint(node: &Node, place: &Place, along: &Vector3<f64>) -> Wrench {
+    let (force, torque) = match node.kind {
+        JointKind::Revolute => (Vector3::zeros(), Vector3::new(0.0, 0.0, along.x)),
+        JointKind::Prismatic => (Vector3::new(0.0, 0.0, along.x), Vector3::zeros()),
+        JointKind::Planar => (Vector3::new(along.x, along.y, 0.0), Vector3::new(0.0, 0.0, along.z)),
+        JointKind::Spherical => (Vector3::zeros(), *along),
+        JointKind::Floating => (Vector3::zeros(), Vector3::zeros()),
+    };
+    Spatial::new(place.axes * force, place.axes * torque)
+}
+
+/// Change of a joint's coordinates between two configurations less than half a turn apart, of a joint with at most three
+/// of them. For a ball joint it is the rotation vector of the change, in the parent's joint frame.
+pub(super) fn travel(node: &Node, child: (&Pose, &Pose), parent: (&Pose, &Pose)) -> Vector3<f64> {
+    let relative = |child: &Pose, parent: &Pose| {
+        let to_joint = (parent.r * node.parent_frame).transpose();
+        let gap = (child.x - parent.x) + (child.r * node.arm - parent.r * node.parent_arm);
+        (to_joint * gap, to_joint * (child.r * node.frame))
+    };
+    let (x0, r0) = relative(child.0, parent.0);
+    let (x1, r1) = relative(child.1, parent.1);
+    let shift = x1 - x0;
+    let turn =
+        || UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r1 * r0.transpose())).scaled_axis();
+    match node.kind {
+        JointKind::Revolute => Vector3::new(turn().z, 0.0, 0.0),
+        JointKind::Prismatic => Vector3::new(shift.z, 0.0, 0.0),
+        JointKind::Planar => Vector3::new(shift.x, shift.y, turn().z),
+        JointKind::Spherical => turn(),
+        JointKind::Floating => Vector3::zeros(),
+    }
+}

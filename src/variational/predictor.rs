@@ -1,0 +1,73 @@
+//! Start values of the constraint iteration: joint wrenches extrapolated in the child's body frame.
+//!
+//! Seen from the child, a joint wrench changes slowly. The polynomial through the last wrenches, taken at the present
+//! time, is a start from which the chord iteration needs one or two rounds less than from the last wrench. The wrench is
+//! kept in the joint and not as an impulse on the bodies: an impulse of the last step does not lie in the range of
+//! `G(q0)^T` and would pump energy in.
+
+use super::joints::Pose;
+use super::spatial::{Spatial, Wrench};
+
+/// Wrenches that are remembered: a polynomial of degree three.
+const DEPTH: usize = 4;
+
+/// The last joint forces (N, N m about the joint point, child's body axes) and their times.
+#[derive(Clone, Debug)]
+pub(super) struct Predictor {
+    /// Node by node, `DEPTH` entries each, at the places of `times`.
+    history: Vec<[Wrench; DEPTH]>,
+    times: [f64; DEPTH],
+    /// How many entries are filled, and where the next one goes.
+    filled: usize,
+    next: usize,
+}
+
+impl Predictor {
+    pub(super) fn new(nodes: usize) -> Predictor {
+        Predictor { history: vec![[Spatial::ZERO; DEPTH]; nodes], times: [0.0; DEPTH], filled: 0, next: 0 }
+    }
+
+    /// The highest polynomial degree that the history allows; `None` without one.
+    pub(super) fn degree(&self) -> Option<usize> {
+        self.filled.checked_sub(1)
+    }
+
+    /// Writes the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given degree.
+    pub(super) fn predict(&self, time: f64, h: f64, degree: usize, pose: &[Pose], out: &mut [Wrench]) {
+        let weights = self.weights(time, degree);
+        for (i, history) in self.history.iter().enumerate().skip(1) {
+            let mut force = Spatial::ZERO;
+            for (weight, past) in weights.iter().zip(history) {
+                force += past.scaled(0.5 * h * weight);
+            }
+            out[i] = Spatial::new(pose[i].r * force.linear, pose[i].r * force.angular);
+        }
+    }
+
+    /// Lagrange weights of the newest `degree + 1` entries at a time; zero for the others.
+    fn weights(&self, time: f64, degree: usize) -> [f64; DEPTH] {
+        let newest = |k: usize| (self.next + DEPTH - 1 - k) % DEPTH;
+        let mut weights = [0.0; DEPTH];
+        let used = degree.min(self.filled.saturating_sub(1));
+        for j in 0..=used {
+            weights[newest(j)] = (0..=used)
+                .filter(|&k| k != j)
+                .map(|k| (time - self.times[newest(k)]) / (self.times[newest(j)] - self.times[newest(k)]))
+                .product();
+        }
+        weights
+    }
+
+    /// Remembers the impulses of a half kick `h/2` at `time`.
+    pub(super) fn record(&mut self, time: f64, h: f64, pose: &[Pose], wrench: &[Wrench]) {
+        let per_force = 2.0 / h;
+        for i in 1..wrench.len() {
+            let r = &pose[i].r;
+            self.history[i][self.next] =
+                Spatial::new(r.tr_mul(&wrench[i].linear) * per_force, r.tr_mul(&wrench[i].angular) * per_force);
+        }
+        self.times[self.next] = time;
+        self.next = (self.next + 1) % DEPTH;
+        self.filled = (self.filled + 1).min(DEPTH);
+    }
+}

@@ -1,0 +1,406 @@
+//! RATTLE for rigid bodies on the constraint manifold of their joints.
+//!
+//! The discrete Hamiltonian map of the constrained discrete Lagrangian of Marsden and West (2001), sections 3.5.3 and
+//! 3.5.4, in the variables (q, p): from `phi(q0) = 0`, `G(q0) M^-1 p0 = 0` one step of size `h` is
+//!
+//! ```text
+//! p'  = p0 + h/2 (f(q0) + G(q0)^T lambda0)        half kick                                (1)
+//! x1  = x0 + h p'/m ,   R1 = R0 F(s)              drift, with pi' unchanged               (2)
+//! phi(q1) = 0                                     the joints hold: this fixes lambda0     (3)
+//! p1  = p' + h/2 (f(q1) + G(q1)^T lambda1)        half kick                                (4)
+//! G(q1) M^-1 p1 = 0                               the twists fit: this fixes lambda1      (5)
+//! ```
+//!
+//! (3) is solved by a chord iteration with the articulated-body factorisation of [`super::tree`] at `q0`, which is the one
+//! that (5) of the step before has made: one factorisation a step. The multipliers live in the joints as wrench impulses
+//! `h/2 lambda`; the next step starts from their extrapolation in the child's body frame.
+//!
+//! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
+//! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
+//! the joint's motion subspace, implicitly in (3).
+//!
+//! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
+//! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
+
+use super::compensated::{Compensated, Compensated3};
+use super::joints::{Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes, travel};
+use super::predictor::Predictor;
+use super::rotation::moser_veselov;
+use super::spatial::{Spatial, Twist, Wrench};
+use super::tree::{Singular, Tree};
+use crate::mechanics::{BodyState, JointKind, State, System};
+
+/// Rounds of the chord iteration after which a step is given up.
+const MOST_ROUNDS: usize = 60;
+
+/// Why a step could not be taken. Bodies and joints are named by the index of the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure {
+    /// The body turns too far in one step for the rotation rule to have a solution.
+    Rotation { body: usize, angle: f64 },
+    /// The constraint iteration stopped contracting.
+    Constraint { joint: usize, rounds: usize, residual: f64 },
+    /// A joint can move without moving any mass.
+    Singular { joint: usize },
+    /// A body's state stopped being a number.
+    NotFinite { body: usize },
+}
+
+/// Position and momentum of a body, as running compensated sums.
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    x: Compensated3,
+    q: Compensated<4>,
+    /// Linear momentum, kg m/s.
+    p: Compensated3,
+    /// Spin angular momentum, world axes, kg m^2/s.
+    pi: Compensated3,
+}
+
+/// A body in the step that is being tried.
+#[derive(Clone, Copy, Debug)]
+struct Trial {
+    /// Impulse of the first half kick on the body about its centre of mass: gravity and joints.
+    kick: Wrench,
+    /// Change of the position over the step.
+    dx: Vector3<f64>,
+    /// Change of the attitude quaternion over the step.
+    dq: Vector4<f64>,
+    /// `h m0` and its solution `s` of the rotation rule; the next solution starts from them.
+    hm: Vector3<f64>,
+    s: Vector3<f64>,
+}
+
+/// The integrator: a system, its state, and room for a step. Nothing is allocated after [`Rattle::new`].
+///
+/// Arrays run over the nodes of [`super::joints`]: index 0 is the ground.
+#[derive(Clone, Debug)]
+pub struct Rattle {
+    nodes: Vec<Node>,
+    gravity: Vector3<f64>,
+    bodies: Vec<Body>,
+    /// The configuration at the start of the step, the joints' places in it, and its factorisation.
+    pose0: Vec<Pose>,
+    places: Vec<Place>,
+    tree: Tree,
+    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
+    damped: Option<Tree>,
+    /// The configuration that is being tried.
+    pose1: Vec<Pose>,
+    trial: Vec<Trial>,
+    /// What each joint does not allow in the configuration that is being tried, over `-h`.
+    bias: Vec<Twist>,
+    /// Change of the coordinates of each damped joint over the step.
+    travel: Vec<Vector3<f64>>,
+    /// By how much `S . wrench` of a damped joint differs from `-c travel / 2`.
+    along: Vec<Vector3<f64>>,
+    /// Impulse on the child at its joint point over the first half kick.
+    wrench: Vec<Wrench>,
+    /// Twists at the joint points after the last projection.
+    twist: Vec<Twist>,
+    predictor: Predictor,
+    /// s since the start, for the predictor.
+    time: f64,
+    /// A length of the system, which weighs angles against positions, m.
+    length: f64,
+    /// Rounds of the constraint iteration since the start.
+    rounds: u64,
+}
+
+impl Rattle {
+    /// Starts from the system's initial state. The momenta are projected onto (5).
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] where a joint can move without moving any mass.
+    pub fn new(system: &System) -> Result<Rattle, Failure> {
+        Rattle::from_state(system, &system.initial)
+    }
+
+    /// Starts from a state of the system.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] where a joint can move without moving any mass.
+    pub fn from_state(system: &System, state: &State) -> Result<Rattle, Failure> {
+        let nodes = nodes(system);
+        let n = nodes.len();
+        let ground = Body {
+            x: Vector3::zeros().into(),
+            q: Compensated::new(Pose::GROUND.q),
+            p: Vector3::zeros().into(),
+            pi: Vector3::zeros().into(),
+        };
+        let rest = Trial {
+            kick: Spatial::ZERO,
+            dx: Vector3::zeros(),
+            dq: Vector4::zeros(),
+            hm: Vector3::zeros(),
+            s: Vector3::zeros(),
+        };
+        let mut bodies = vec![ground; n];
+        let mut pose0 = vec![Pose::GROUND; n];
+        for (i, b) in state.bodies.iter().enumerate() {
+            let omega = b.attitude.inverse_transform_vector(&b.angular_velocity);
+            let pi = b.attitude * system.bodies[i].inertia.component_mul(&omega);
+            bodies[i + 1] = Body {
+                x: b.position.into(),
+                q: Compensated::new(b.attitude.coords),
+                p: (system.bodies[i].mass * b.velocity).into(),
+                pi: pi.into(),
+            };
+            pose0[i + 1] = Pose::new(b.position, b.attitude.coords);
+        }
+        let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let mut rattle = Rattle {
+            gravity: system.gravity,
+            bodies,
+            places: vec![Place::GROUND; n],
+            tree: Tree::new(&nodes),
+            damped: nodes.iter().any(|node| node.damping > 0.0).then(|| Tree::new(&nodes)),
+            pose1: pose0.clone(),
+            pose0,
+            trial: vec![rest; n],
+            bias: vec![Spatial::ZERO; n],
+            travel: vec![Vector3::zeros(); n],
+            along: vec![Vector3::zeros(); n],
+            wrench: vec![Spatial::ZERO; n],
+            twist: vec![Spatial::ZERO; n],
+            predictor: Predictor::new(n),
+            time: 0.0,
+            length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
+            rounds: 0,
+            nodes,
+        };
+        rattle.factorise()?;
+        rattle.project_momenta(0.0);
+        Ok(rattle)
+    }
+
+    /// Takes one step of size `h` (s). After a failure the state is the one before the step.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn step(&mut self, h: f64) -> Result<(), Failure> {
+        if let Some(damped) = &mut self.damped {
+            let (nodes, pose) = (&self.nodes, &self.pose0);
+            damped
+                .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
+                .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
+        }
+        self.solve_constraints(h)?;
+        self.predictor.record(self.time, h, &self.pose0, &self.wrench);
+        for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
+            body.p.add(&trial.kick.linear); // (1)
+            body.pi.add(&trial.kick.angular);
+            body.x.add(&trial.dx); // (2)
+            body.q.add(&trial.dq);
+        }
+        std::mem::swap(&mut self.pose0, &mut self.pose1);
+        self.factorise()?;
+        self.project_momenta(h);
+        self.time += h;
+        Ok(())
+    }
+
+    /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
+    fn solve_constraints(&mut self, h: f64) -> Result<(), Failure> {
+        // A high degree starts closer, a low one survives a violent moment.
+        let mut degree = self.predictor.degree();
+        loop {
+            match degree {
+                Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose0, &mut self.wrench),
+                None => self.wrench.fill(Spatial::ZERO),
+            }
+            for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].damping == 0.0) {
+                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            }
+            match (self.iterate(h), degree) {
+                (Err(_), Some(used)) => degree = used.checked_sub(1),
+                (result, _) => return result,
+            }
+        }
+    }
+
+    /// The chord iteration, down to roundoff.
+    fn iterate(&mut self, h: f64) -> Result<(), Failure> {
+        let (mut last, mut rounds) = (f64::INFINITY, 0);
+        loop {
+            self.kick_and_drift(h)?;
+            let (joint, residual, extent) = self.measure_mismatch(h);
+            if !residual.is_finite() {
+                return Err(Failure::NotFinite { body: joint });
+            }
+            let roundoff = f64::EPSILON * extent;
+            let stagnant = residual > 0.3 * last && residual <= 64.0 * roundoff;
+            if residual <= roundoff || stagnant {
+                return Ok(());
+            }
+            if rounds == MOST_ROUNDS || (rounds > 8 && residual > 0.9 * last) {
+                return Err(Failure::Constraint { joint, rounds, residual });
+            }
+            self.correct();
+            (last, rounds) = (residual, rounds + 1);
+            self.rounds += 1;
+        }
+    }
+
+    /// (1) and (2) with the present wrenches.
+    fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
+        for i in 1..self.nodes.len() {
+            self.trial[i].kick = Spatial::new(0.5 * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
+        }
+        for i in 1..self.nodes.len() {
+            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
+        }
+        for i in 1..self.nodes.len() {
+            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose0[i]);
+            trial.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
+            let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
+            let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
+            trial.s = match moser_veselov(&node.inertia, &hm, &start) {
+                Some(s) => s,
+                None => {
+                    let angle = hm.component_div(&node.inertia).norm();
+                    (trial.s, trial.hm) = (Vector3::zeros(), Vector3::zeros());
+                    return Err(Failure::Rotation { body: i - 1, angle });
+                }
+            };
+            trial.hm = hm;
+            trial.dq = rotation_increment(&pose.q, &trial.s);
+            self.pose1[i] = Pose::new(body.x.plus(&trial.dx), body.q.plus(&trial.dq));
+        }
+        Ok(())
+    }
+
+    /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
+    /// the system's length), and the largest coordinate that it was computed from.
+    fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
+        let (mut worst, mut joint, mut extent) = (0.0, 0, self.length);
+        for i in 1..self.nodes.len() {
+            let (node, pose, parent) = (&self.nodes[i], &self.pose1[i], &self.pose1[self.nodes[i].parent]);
+            let gap = mismatch(node, pose, parent);
+            let mut size = gap.linear.amax() + self.length * gap.angular.amax();
+            self.bias[i] = gap.scaled(-1.0 / h);
+            if node.damping > 0.0 {
+                let d = travel(node, (&self.pose0[i], pose), (&self.pose0[node.parent], parent));
+                self.along[i] = coordinates_of(node, &self.places[i], &self.wrench[i]) + 0.5 * node.damping * d;
+                self.travel[i] = d;
+                size += h * self.along[i].amax() * self.compliance(i);
+            }
+            if !(size <= worst) {
+                (worst, joint) = (size, i - 1);
+            }
+            extent = pose.x.amax().max(extent);
+        }
+        (joint, worst, extent)
+    }
+
+    /// (3): one round of the chord iteration.
+    fn correct(&mut self) {
+        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
+        let add = |i: usize, _: &Twist, f: Wrench| wrench[i] += f;
+        match &mut self.damped {
+            None => self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add),
+            Some(damped) => damped.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add),
+        }
+    }
+
+    /// Places the joints at the start configuration and factorises there.
+    fn factorise(&mut self) -> Result<(), Failure> {
+        for i in 1..self.nodes.len() {
+            let parent = self.nodes[i].parent;
+            let parent_arm = self.places[parent].arm;
+            self.places[i] = Place::new(&self.nodes[i], &self.pose0[i], &self.pose0[parent], &parent_arm);
+        }
+        let (nodes, pose) = (&self.nodes, &self.pose0);
+        self.tree
+            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
+            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+    }
+
+    /// (4) and (5): the second half kick of a step of size `h`, and the joint impulses that make the twists fit.
+    fn project_momenta(&mut self, h: f64) {
+        let (nodes, bodies, twist, wrench) = (&self.nodes, &self.bodies, &mut self.twist, &mut self.wrench);
+        for i in 1..nodes.len() {
+            self.trial[i].kick = Spatial::new(0.5 * h * nodes[i].mass * self.gravity, Vector3::zeros());
+        }
+        if self.damped.is_some() && h > 0.0 {
+            for i in (1..nodes.len()).filter(|&i| nodes[i].damping > 0.0) {
+                let impulse = along_joint(&nodes[i], &self.places[i], &(-0.5 * nodes[i].damping * self.travel[i]));
+                add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
+            }
+        }
+        let trial = &self.trial;
+        self.tree.project(
+            nodes,
+            &self.places,
+            |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick,
+            |i, v, f| {
+                twist[i] = *v;
+                wrench[i] = f;
+            },
+        );
+        for i in 1..self.nodes.len() {
+            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
+        }
+        for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
+            body.p.add(&trial.kick.linear);
+            body.pi.add(&trial.kick.angular);
+        }
+    }
+
+    /// By how much a unit impulse along a damped joint changes its velocity, times the system's length for an angle.
+    fn compliance(&self, i: usize) -> f64 {
+        let weight = if self.nodes[i].kind == JointKind::Prismatic { 1.0 } else { self.length };
+        self.damped.as_ref().map_or(0.0, |tree| weight * tree.compliance(i))
+    }
+
+    /// Writes the present state: poses, and the twists that fit the joints.
+    pub fn write_state(&self, out: &mut State) {
+        for (i, b) in out.bodies.iter_mut().enumerate() {
+            let twist = self.twist[i + 1].twist_at(&-self.places[i + 1].arm);
+            *b = BodyState {
+                position: self.bodies[i + 1].x.value,
+                attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.bodies[i + 1].q.value)),
+                velocity: twist.linear,
+                angular_velocity: twist.angular,
+            };
+        }
+    }
+
+    /// Rounds of the constraint iteration since the start.
+    pub fn rounds(&self) -> u64 {
+        self.rounds
+    }
+}
+
+/// Inertia about the centre of mass in world axes.
+#[inline(always)]
+fn world_inertia(node: &Node, pose: &Pose) -> Matrix3<f64> {
+    let mut scaled = pose.r;
+    for k in 0..3 {
+        scaled.column_mut(k).scale_mut(node.inertia[k]);
+    }
+    scaled * pose.r.transpose()
+}
+
+/// Puts an impulse of joint `i`, known about its joint point, on its two bodies.
+#[inline(always)]
+fn add_joint_impulse(trial: &mut [Trial], nodes: &[Node], places: &[Place], i: usize, wrench: &Wrench) {
+    let (place, parent) = (&places[i], nodes[i].parent);
+    trial[i].kick += wrench.wrench_from(&place.arm);
+    if parent > 0 {
+        trial[parent].kick -= wrench.wrench_from(&(places[parent].arm + place.offset));
+    }
+}
+
+/// `q0 F(s) - q0`, without cancellation for small `s`: with `c = 1 / sqrt(1 + |s|^2)` the scalar part of `F - 1` is
+/// `c - 1 = -|s|^2 c^2 / (1 + c)`.
+#[inline(always)]
+fn rotation_increment(q0: &Vector4<f64>, s: &Vector3<f64>) -> Vector4<f64> {
+    let square = s.norm_squared();
+    let c = 1.0 / (1.0 + square).sqrt();
+    let scalar = -square * c * c / (1.0 + c);
+    (Quaternion::from(*q0) * Quaternion::new(scalar, c * s.x, c * s.y, c * s.z)).coords
+}

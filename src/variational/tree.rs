@@ -1,0 +1,256 @@
+//! Linear solves on the tree of joints in O(n): the articulated-body recursion (Featherstone 1983), in world axes.
+//!
+//! All solves of a step have the form: find body twists `v` and joint wrenches (the multipliers) with
+//!
+//! ```text
+//! M v = b + G^T lambda ,      G v = c .
+//! ```
+//!
+//! Here a joint's wrench `f` acts on the child and `-f` on the parent at the joint point, `S . f = 0` for the joint's
+//! motion subspace `S`, and the joint lets the child's twist differ from the parent's by `S sigma + gamma`, where `gamma`
+//! is the joint's part of `c`. A sweep from the leaves to the root eliminates the free directions,
+//!
+//! ```text
+//! U = A S ,   D = S^T U ,   A_parent += A - U D^-1 U^T ,
+//! ```
+//!
+//! and one from the root to the leaves finds the twists. Only `D` is inverted: a number for a hinge.
+
+use nalgebra::{Cholesky, Const, Matrix3, Vector3};
+
+use super::joints::{Node, Place};
+use super::spatial::{Inertia, Spatial, Twist, Wrench};
+use crate::mechanics::JointKind;
+
+/// The free directions of a joint, eliminated.
+#[derive(Clone, Debug)]
+enum Elimination {
+    /// One rotation about `n`.
+    Hinge { n: Vector3<f64>, u: Wrench, d_inverse: f64 },
+    /// One translation along `n`.
+    Slider { n: Vector3<f64>, u: Wrench, d_inverse: f64 },
+    /// Three directions `s`.
+    Three { s: [Spatial; 3], u: [Wrench; 3], d_inverse: Matrix3<f64> },
+    /// All six: nothing passes to the parent.
+    Free { a: Cholesky<f64, Const<6>> },
+}
+
+/// The factorisation at one configuration, with room for the solves.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    /// Articulated inertia of each node about its joint point, its own joint not yet eliminated.
+    inertia: Vec<Inertia>,
+    elimination: Vec<Elimination>,
+    /// Right-hand sides about the joint points, summed towards the root.
+    rhs: Vec<Wrench>,
+    /// `S . rhs` of each joint after its bias.
+    along: Vec<Vector3<f64>>,
+    /// Twists of the solution at the joint points.
+    twist: Vec<Twist>,
+}
+
+/// The articulated inertia along a joint is not positive: the joint can move without moving any mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Singular {
+    pub node: usize,
+}
+
+impl Tree {
+    pub(super) fn new(nodes: &[Node]) -> Tree {
+        let zero = Inertia { m: Matrix3::zeros(), h: Matrix3::zeros(), j: Matrix3::zeros() };
+        let unused = Elimination::Hinge { n: Vector3::zeros(), u: Spatial::ZERO, d_inverse: 0.0 };
+        Tree {
+            inertia: vec![zero; nodes.len()],
+            elimination: vec![unused; nodes.len()],
+            rhs: vec![Spatial::ZERO; nodes.len()],
+            along: vec![Vector3::zeros(); nodes.len()],
+            twist: vec![Spatial::ZERO; nodes.len()],
+        }
+    }
+
+    /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what the
+    /// joint's own forces add to `D`.
+    pub(super) fn factorise(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        inertia: impl Fn(usize) -> Matrix3<f64>,
+        implicit: impl Fn(usize) -> f64,
+    ) -> Result<(), Singular> {
+        for i in 1..nodes.len() {
+            self.inertia[i] = Inertia::of_body(nodes[i].mass, &inertia(i), &places[i].arm);
+        }
+        for i in (1..nodes.len()).rev() {
+            let mut passed = self.inertia[i];
+            let (place, node) = (&places[i], &nodes[i]);
+            let elimination = match node.kind {
+                JointKind::Revolute => {
+                    let n = place.axes.column(2).into_owned();
+                    let u = Spatial::new(passed.h * n, passed.j * n);
+                    let d = n.dot(&u.angular) + implicit(i);
+                    let d_inverse = reciprocal(d).ok_or(Singular { node: i })?;
+                    passed.subtract_product(&u.scaled(d_inverse), &u);
+                    Elimination::Hinge { n, u, d_inverse }
+                }
+                JointKind::Prismatic => {
+                    let n = place.axes.column(2).into_owned();
+                    let u = Spatial::new(passed.m * n, passed.h.tr_mul(&n));
+                    let d = n.dot(&u.linear) + implicit(i);
+                    let d_inverse = reciprocal(d).ok_or(Singular { node: i })?;
+                    passed.subtract_product(&u.scaled(d_inverse), &u);
+                    Elimination::Slider { n, u, d_inverse }
+                }
+                JointKind::Planar | JointKind::Spherical => {
+                    let s = directions(node.kind, &place.axes);
+                    let u = s.map(|s| passed.times(&s));
+                    let mut d = Matrix3::from_fn(|r, c| s[r].dot(&u[c]));
+                    for k in 0..3 {
+                        d[(k, k)] += implicit(i);
+                    }
+                    let d_inverse = inverse_of_symmetric(&d).ok_or(Singular { node: i })?;
+                    for (k, scaled) in combine(&u, &d_inverse).iter().enumerate() {
+                        passed.subtract_product(scaled, &u[k]);
+                    }
+                    Elimination::Three { s, u, d_inverse }
+                }
+                JointKind::Floating => {
+                    let a = Cholesky::new(passed.to_matrix()).ok_or(Singular { node: i })?;
+                    self.elimination[i] = Elimination::Free { a };
+                    continue;
+                }
+            };
+            self.elimination[i] = elimination;
+            if node.parent > 0 {
+                self.inertia[node.parent].add_shifted(&passed, &place.offset);
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves `M v = b + G^T lambda`, `G v = 0`. `b(i)` is a wrench about the centre of mass; `solution(i, v, f)` gets the
+    /// twist of each node at its joint point and the wrench on it about that point.
+    pub(super) fn project(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        b: impl Fn(usize) -> Wrench,
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) {
+        for i in 1..nodes.len() {
+            self.rhs[i] = b(i).wrench_from(&-places[i].arm);
+        }
+        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
+    }
+
+    /// Solves `M v = G^T lambda`, `G v = c`, `S . f = -along` (plus the implicit part of the joint's own force): a
+    /// correction of the wrenches by the joints' mismatch.
+    pub(super) fn correct(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        bias: impl Fn(usize) -> Twist,
+        along: impl Fn(usize) -> Vector3<f64>,
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) {
+        self.rhs[1..].fill(Spatial::ZERO);
+        self.sweep(nodes, places, bias, along, &mut solution);
+    }
+
+    /// The largest entry of `D^-1` of a joint.
+    pub(super) fn compliance(&self, node: usize) -> f64 {
+        match &self.elimination[node] {
+            Elimination::Hinge { d_inverse, .. } | Elimination::Slider { d_inverse, .. } => *d_inverse,
+            Elimination::Three { d_inverse, .. } => d_inverse.amax(),
+            Elimination::Free { .. } => 0.0,
+        }
+    }
+
+    #[inline(always)]
+    fn sweep(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        bias: impl Fn(usize) -> Twist,
+        along: impl Fn(usize) -> Vector3<f64>,
+        solution: &mut impl FnMut(usize, &Twist, Wrench),
+    ) {
+        for i in (1..nodes.len()).rev() {
+            let mut rhs = self.rhs[i] - self.inertia[i].times(&bias(i));
+            match &self.elimination[i] {
+                Elimination::Hinge { n, u, d_inverse } => {
+                    let s_rhs = n.dot(&rhs.angular) - along(i).x;
+                    self.along[i].x = s_rhs;
+                    rhs -= u.scaled(d_inverse * s_rhs);
+                }
+                Elimination::Slider { n, u, d_inverse } => {
+                    let s_rhs = n.dot(&rhs.linear) - along(i).x;
+                    self.along[i].x = s_rhs;
+                    rhs -= u.scaled(d_inverse * s_rhs);
+                }
+                Elimination::Three { s, u, d_inverse } => {
+                    let s_rhs = Vector3::from_fn(|k, _| s[k].dot(&rhs)) - along(i);
+                    self.along[i] = s_rhs;
+                    let sigma = d_inverse * s_rhs;
+                    rhs -= u[0].scaled(sigma.x) + u[1].scaled(sigma.y) + u[2].scaled(sigma.z);
+                }
+                Elimination::Free { .. } => continue,
+            }
+            let parent = nodes[i].parent;
+            if parent > 0 {
+                self.rhs[parent] += rhs.wrench_from(&places[i].offset);
+            }
+        }
+        for i in 1..nodes.len() {
+            let carried = self.twist[nodes[i].parent].twist_at(&places[i].offset);
+            let mut v = carried + bias(i);
+            match &self.elimination[i] {
+                Elimination::Hinge { n, u, d_inverse } => {
+                    v.angular += n * (d_inverse * (self.along[i].x - u.dot(&carried)));
+                }
+                Elimination::Slider { n, u, d_inverse } => {
+                    v.linear += n * (d_inverse * (self.along[i].x - u.dot(&carried)));
+                }
+                Elimination::Three { s, u, d_inverse } => {
+                    let sigma = d_inverse * (self.along[i] - Vector3::from_fn(|k, _| u[k].dot(&carried)));
+                    v += s[0].scaled(sigma.x) + s[1].scaled(sigma.y) + s[2].scaled(sigma.z);
+                }
+                Elimination::Free { a } => {
+                    self.twist[i] = Spatial::from_vector(&a.solve(&self.rhs[i].to_vector()));
+                    solution(i, &self.twist[i], Spatial::ZERO);
+                    continue;
+                }
+            }
+            let f = self.inertia[i].times(&v) - self.rhs[i];
+            self.twist[i] = v;
+            solution(i, &self.twist[i], f);
+        }
+    }
+}
+
+/// `1 / d` for a positive number.
+fn reciprocal(d: f64) -> Option<f64> {
+    (d > 0.0 && d.is_finite()).then(|| 1.0 / d)
+}
+
+/// Inverse of a positive definite matrix.
+fn inverse_of_symmetric(d: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    Cholesky::new(*d).map(|c| c.inverse())
+}
+
+/// The free directions of a joint with three of them, at its joint point.
+fn directions(kind: JointKind, axes: &Matrix3<f64>) -> [Spatial; 3] {
+    let axis = |k: usize| axes.column(k).into_owned();
+    let slide = |k| Spatial::new(axis(k), Vector3::zeros());
+    let turn = |k| Spatial::new(Vector3::zeros(), axis(k));
+    match kind {
+        JointKind::Planar => [slide(0), slide(1), turn(2)],
+        _ => [turn(0), turn(1), turn(2)],
+    }
+}
+
+/// The columns of `[u0 u1 u2] D^-1`.
+fn combine(u: &[Wrench; 3], d_inverse: &Matrix3<f64>) -> [Wrench; 3] {
+    std::array::from_fn(|k| {
+        u[0].scaled(d_inverse[(0, k)]) + u[1].scaled(d_inverse[(1, k)]) + u[2].scaled(d_inverse[(2, k)])
+    })
+}

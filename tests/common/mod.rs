@@ -1,0 +1,66 @@
+//! Models that several tests build in code.
+
+use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+use rattlebench::mechanics::System;
+use rattlebench::model::scene::JointInitial;
+use rattlebench::model::{Base, Inertial, Joint, JointKind, Link, Model, Scene};
+
+/// A rod of 0.3 m and 1 kg along x, its frame at one end.
+pub fn rod() -> Inertial {
+    let (mass, length, radius) = (1.0, 0.3, 0.02);
+    let across = mass * (3.0 * radius * radius + length * length) / 12.0;
+    Inertial {
+        mass,
+        com: Vector3::new(0.5 * length, 0.0, 0.0),
+        inertia: Matrix3::from_diagonal(&Vector3::new(0.5 * mass * radius * radius, across, across)),
+    }
+}
+
+/// A chain of such rods from the ground, one joint for each entry.
+pub fn chain(joints: &[(JointKind, Vector3<f64>)]) -> Scene {
+    let link = |name: String, inertial| Link { name, inertial, collisions: vec![] };
+    let mut links = vec![link("base".into(), None)];
+    let mut list = Vec::new();
+    for (i, (kind, axis)) in joints.iter().enumerate() {
+        links.push(link(format!("link_{}", i + 1), Some(rod())));
+        list.push(Joint {
+            name: format!("joint_{}", i + 1),
+            kind: *kind,
+            parent: i,
+            child: i + 1,
+            origin: Isometry3::translation(if i == 0 { 0.0 } else { 0.3 }, 0.0, 0.0),
+            axis: Unit::new_normalize(*axis),
+            damping: 0.0,
+            friction: 0.0,
+            mimic: None,
+        });
+    }
+    let initial = joints
+        .iter()
+        .map(|(kind, _)| JointInitial {
+            position: vec![0.0; kind.degrees_of_freedom()],
+            velocity: vec![0.0; kind.degrees_of_freedom()],
+        })
+        .collect();
+    Scene {
+        name: "chain".into(),
+        description: String::new(),
+        model: Model { name: "chain".into(), links, joints: list, ignored: vec![], remarks: vec![] },
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        base: Base::Fixed,
+        initial,
+        duration: 10.0,
+        steps: vec![1e-3],
+    }
+}
+
+/// A chain whose hinges are about y and z in turn.
+pub fn alternating(n: usize) -> Scene {
+    let axes: Vec<_> =
+        (0..n).map(|i| (JointKind::Revolute, if i % 2 == 0 { Vector3::y() } else { Vector3::z() })).collect();
+    chain(&axes)
+}
+
+pub fn compile(scene: &Scene) -> System {
+    System::compile(scene).expect("the scene compiles")
+}

@@ -5,7 +5,10 @@ mod error;
 pub mod generate;
 mod inertia;
 mod names;
+mod resolve;
 pub mod scene;
+mod scene_error;
+pub mod scene_file;
 mod shapes;
 mod tree;
 mod urdf;
@@ -14,6 +17,7 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use error::{ModelError, Position, Problem};
 pub use scene::{Base, Scene};
+pub use scene_error::{SceneError, SceneProblem};
 pub use urdf::{read_urdf, read_urdf_with_density};
 
 /// A URDF as read: a tree of links. `links[0]` is the root, and every joint's parent stands before its child.
@@ -21,8 +25,6 @@ pub use urdf::{read_urdf, read_urdf_with_density};
 pub struct Model {
     pub name: String,
     pub links: Vec<Link>,
-    /// True where the root is a link `world` that the file does not define: it is the ground and cannot float.
-    pub rooted_in_world: bool,
     /// In tree order: the joint of a link's parent comes before the joint of the link. Joint `j` carries link `j + 1`.
     pub joints: Vec<Joint>,
     /// What the file holds and a run does not use, in the order of the file.

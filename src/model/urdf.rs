@@ -98,14 +98,7 @@ fn model(robot: &urdf_rs::Robot, document: Document, density: Option<(f64, &Path
         let parent = by_name.get(source.parent.link.as_str()).copied().unwrap_or(0);
         joints[joint_place[j]] = Some(joint(source, parent, joint_place[j] + 1, mimic, &mut remarks)?);
     }
-    Ok(Model {
-        name: robot.name.clone(),
-        links,
-        rooted_in_world: order.root.is_none(),
-        joints: joints.into_iter().flatten().collect(),
-        ignored,
-        remarks,
-    })
+    Ok(Model { name: robot.name.clone(), links, joints: joints.into_iter().flatten().collect(), ignored, remarks })
 }
 
 fn link(

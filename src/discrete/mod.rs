@@ -15,6 +15,7 @@ pub mod solve;
 pub mod stencil;
 pub mod structure;
 pub mod system;
+pub mod tangent;
 
 /// A vector of R^n.
 pub type Vector = nalgebra::DVector<f64>;

@@ -3,6 +3,7 @@
 mod adjoint;
 mod alpha;
 mod composition;
+mod equivalent;
 mod exact;
 mod explicit_prk;
 mod galerkin;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 pub use adjoint::Adjoint;
 pub use alpha::alpha;
 pub use composition::Composition;
+pub use equivalent::Equivalent;
 pub use exact::Exact;
 pub use explicit_prk::{explicit_prk, forest_ruth, ruth};
 pub use galerkin::polynomial;

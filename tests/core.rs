@@ -6,6 +6,7 @@ use common::*;
 use nalgebra::Vector3;
 use rattlebench::mechanics::{State, System, constraint, energy, momentum};
 use rattlebench::model::JointKind::{self, *};
+use rattlebench::variational::composition::{self, Composition};
 use rattlebench::variational::{Failure, Rattle};
 
 /// Largest figures over every state of a run.
@@ -16,12 +17,18 @@ struct Figures {
 }
 
 fn run(system: &System, h: f64, duration: f64) -> Figures {
+    run_composed(system, &composition::ORDER_2, h, duration)
+}
+
+fn run_composed(system: &System, composition: &Composition, h: f64, duration: f64) -> Figures {
     let mut rattle = Rattle::new(system).unwrap();
     let mut state = system.initial.clone();
     let start = energy::energy(system, &state).total();
     let mut figures = Figures { energy: 0.0, position: 0.0, velocity: 0.0 };
     for _ in 0..(duration / h).round() as usize {
-        rattle.step(h).unwrap();
+        for weight in composition.weights() {
+            rattle.step(weight * h).unwrap();
+        }
         rattle.write_state(&mut state);
         let error = (energy::energy(system, &state).total() - start).abs() / system.energy_scale;
         let residual = constraint::residual(system, &state);
@@ -92,6 +99,39 @@ fn zoo() -> System {
 #[test]
 fn a_chain_of_every_joint_type_has_order_two_and_holds_its_joints() {
     assert_order_two_and_joints_hold(&zoo(), 1.0, 1e-4);
+}
+
+/// A spatial chain of five links with revolute, spherical and prismatic joints.
+fn five_links() -> System {
+    let mut scene = chain(&[
+        (Revolute, Vector3::y()),
+        (Spherical, Vector3::x()),
+        (Revolute, Vector3::new(0.0, 1.0, 1.0)),
+        (Prismatic, Vector3::new(0.0, 1.0, 0.3)),
+        (Revolute, Vector3::z()),
+    ]);
+    scene.initial[1].position = vec![0.3, -0.2, 0.5];
+    scene.initial[3].velocity = vec![0.2];
+    scene.initial[4].position = vec![0.8];
+    compile(&scene)
+}
+
+#[test]
+fn compositions_have_their_order_on_a_spatial_chain() {
+    let system = five_links();
+    let cases: [(Composition, f64, [f64; 4]); 3] = [
+        (composition::ORDER_4, 4.0, [4e-3, 2.5e-3, 2e-3, 1.25e-3]),
+        (composition::ORDER_6, 6.0, [8e-3, 6.25e-3, 5e-3, 4e-3]),
+        (composition::ORDER_8, 8.0, [1.25e-2, 1e-2, 8e-3, 6.25e-3]),
+    ];
+    for (composition, order, steps) in cases {
+        let points: Vec<_> =
+            steps.into_iter().map(|h| (h, run_composed(&system, &composition, h, 1.0).energy)).collect();
+        let fitted = slope(&points);
+        println!("order {order}: fitted {fitted:.2}, {points:?}");
+        assert!((fitted - order).abs() <= 0.2, "{fitted}");
+        assert!(points[3].1 > 1e-14, "above the roundoff floor");
+    }
 }
 
 /// A free body about its intermediate axis.

@@ -4,6 +4,7 @@
 //! [`System`] and one step size, and hands out states in the form of [`State`]. It is never asked for its own energy:
 //! every figure is computed from its states by `measure`.
 
+pub mod rapier;
 mod rattle;
 mod spec;
 
@@ -47,12 +48,15 @@ pub struct Unsupported {
     pub what: String,
 }
 
+/// Builds an engine from its settings for a system and a step size in s.
+type Build = fn(&Spec, &System, f64) -> Result<Box<dyn Engine>, Unsupported>;
+
 /// An engine in the list: how it is called, what keys it takes, how it is built.
 pub struct Entry {
     pub name: &'static str,
     pub summary: &'static str,
     pub keys: &'static [Key],
-    build: fn(&Spec, &System, f64) -> Result<Box<dyn Engine>, Unsupported>,
+    build: Build,
 }
 
 impl fmt::Debug for Entry {
@@ -62,7 +66,7 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[rattle::ENTRY];
+pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///

@@ -1,0 +1,143 @@
+//! A rapier world that holds a system; compiled once for each precision, over the types of `super::rapier`.
+
+mod build;
+mod convert;
+
+use super::super::Settings;
+use super::super::held::{Held, HeldBody};
+use super::rapier::math::{Pose, Vector};
+use super::rapier::prelude::{MultibodyIndex, PhysicsWorld, RigidBodyHandle};
+use super::widen;
+use crate::engines::{Engine, StepFailure, Unsupported};
+use crate::mechanics::{State, System};
+
+use convert::{body_state, vector_of};
+
+/// A system as rapier holds it.
+pub(in super::super) struct World {
+    physics: PhysicsWorld,
+    /// In the order of the system's bodies.
+    bodies: Vec<Seat>,
+    /// The last state that was finite.
+    present: Vec<Motion>,
+    /// Where the next state is read into; swapped with `present` where it is finite.
+    next: Vec<Motion>,
+    /// s
+    step_size: f64,
+    substeps: usize,
+    steps: u64,
+    failure: Option<StepFailure>,
+}
+
+/// Where one of our bodies sits in rapier.
+struct Seat {
+    name: String,
+    body: RigidBodyHandle,
+    /// The multibody and the link in it, for a body in reduced coordinates.
+    link: Option<(MultibodyIndex, usize)>,
+}
+
+/// Pose of the body frame and twist at its origin, the centre of mass, in world axes.
+#[derive(Clone, Copy)]
+struct Motion {
+    pose: Pose,
+    velocity: Vector,
+    angular_velocity: Vector,
+}
+
+impl Motion {
+    fn is_finite(&self) -> bool {
+        self.pose.is_finite() && self.velocity.is_finite() && self.angular_velocity.is_finite()
+    }
+}
+
+impl World {
+    /// Builds the world at the system's initial state.
+    pub(in super::super) fn new(system: &System, settings: &Settings, step: f64) -> Result<World, Unsupported> {
+        let (physics, bodies) = build::build(system, settings, step)?;
+        let present: Vec<Motion> = bodies.iter().map(|seat| seat.motion(&physics)).collect();
+        let next = present.clone();
+        let (substeps, step_size) = (settings.substeps, step);
+        Ok(World { physics, bodies, present, next, step_size, substeps, steps: 0, failure: None })
+    }
+
+    /// What rapier's own bodies say.
+    pub(in super::super) fn held(&self) -> Held {
+        let mut state = State { bodies: self.present.iter().map(body_state).collect() };
+        self.write_state(&mut state);
+        let bodies = self.bodies.iter().map(|seat| {
+            let properties = self.physics.bodies[seat.body].mass_properties();
+            let local = &properties.local_mprops;
+            HeldBody {
+                mass: vector_of(properties.effective_mass()),
+                inertia: vector_of(local.principal_inertia()),
+                axes: convert::attitude_of(local.principal_inertia_local_frame),
+                com: vector_of(local.local_com),
+            }
+        });
+        Held { gravity: vector_of(self.physics.gravity), bodies: bodies.collect(), state }
+    }
+
+    /// The first body, in our order, that rapier took out or whose state is not finite.
+    fn first_lost(&self) -> Option<&Seat> {
+        let taken = self.physics.quarantine().bodies();
+        let mut all = self.bodies.iter().zip(&self.next);
+        all.find(|(seat, motion)| taken.contains(&seat.body) || !motion.is_finite()).map(|(seat, _)| seat)
+    }
+}
+
+impl Seat {
+    /// Reads the body's motion. The twist of a link is `J(q) qdot`, with the Jacobian of the present pose: the
+    /// velocities that rapier stores in the bodies of a multibody are those of one substep before.
+    fn motion(&self, physics: &PhysicsWorld) -> Motion {
+        let body = &physics.bodies[self.body];
+        let pose = *body.position();
+        let Some((index, link)) = self.link else {
+            return Motion { pose, velocity: body.linvel(), angular_velocity: body.angvel() };
+        };
+        let multibody = &physics.multibody_joints[index];
+        let rates = multibody.generalized_velocity();
+        let (mut velocity, mut angular_velocity) = (Vector::ZERO, Vector::ZERO);
+        for (column, rate) in multibody.body_jacobian(link).column_iter().zip(rates.iter()) {
+            velocity += Vector::new(column[0], column[1], column[2]) * *rate;
+            angular_velocity += Vector::new(column[3], column[4], column[5]) * *rate;
+        }
+        Motion { pose, velocity, angular_velocity }
+    }
+}
+
+impl Engine for World {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        self.physics.step();
+        for (seat, motion) in self.bodies.iter().zip(&mut self.next) {
+            *motion = seat.motion(&self.physics);
+        }
+        if let Some(seat) = self.first_lost() {
+            let time = self.steps as f64 * self.step_size;
+            let detail = format!(
+                "the motion of body '{}' is no longer finite in the step after t = {time} s; a smaller step may help",
+                seat.name
+            );
+            let failure = StepFailure::Diverged { detail };
+            self.failure = Some(failure.clone());
+            return Err(failure);
+        }
+        std::mem::swap(&mut self.present, &mut self.next);
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn write_state(&self, out: &mut State) {
+        for (motion, body) in self.present.iter().zip(&mut out.bodies) {
+            *body = body_state(motion);
+        }
+    }
+
+    /// Half a substep: `v1 = v0 + h a(x0)`, `x1 = x0 + h v1`.
+    fn position_lag_s(&self) -> f64 {
+        0.5 * widen(self.physics.integration_parameters.dt) / self.substeps as f64
+    }
+}

@@ -1,0 +1,74 @@
+//! The rapier engines: rapier 0.36 in single and double precision, on the same [`System`] as every other engine.
+//!
+//! # What rapier is given
+//!
+//! One dynamic body a [`Body`](crate::mechanics::Body), its origin in the centre of mass and its axes principal, with
+//! mass and moments and no collider; one `GenericJoint` a joint, which locks the components of the relative twist that
+//! [`JointKind::free`](crate::mechanics::JointKind::free) does not name; gravity; and the positions and velocities at
+//! t = 0. A floating joint without damping is no joint. `joints=impulse` solves them as velocity constraints by
+//! projected Gauss-Seidel, `joints=multibody` puts each tree into reduced coordinates.
+//!
+//! Viscous joint damping `-c thetadot` is implicit on both sides: `damping` of the generalized coordinates with
+//! multibody joints, and with impulse joints a force based motor on each free axis with target velocity zero, stiffness
+//! zero and unlimited force. The impulse of such a motor converges to `-c h thetadot` with `iterations`.
+//!
+//! # What is always set, and differs from rapier's defaults
+//!
+//! Bodies never sleep and may turn by any angle in a step; the cap on linear speed is off; there are no substeps of
+//! continuous collision detection and no counters; the damping of 0.1 that rapier gives to each angular coordinate of a
+//! multibody is replaced by that of the joint. All else is rapier's default unless a key of the spec says otherwise.
+//!
+//! # What its states mean
+//!
+//! A substep of length `h = step / substeps` is semi-implicit: `v1 = v0 + h a(x0)`, `x1 = x0 + h v1`, so velocities
+//! belong to a time `h/2` before the positions and [`Engine::position_lag_s`] is `h/2`. Multibody velocities are
+//! computed from the generalized ones, because rapier leaves those of the bodies one substep behind. Single precision is
+//! converted where a state is written; the step size too is rounded to single precision.
+//!
+//! # Limits
+//!
+//! Rapier takes a body whose pose is not finite out of the simulation, with its velocity set to zero: that is reported
+//! as [`StepFailure::Diverged`](super::StepFailure::Diverged), and the engine stays at the last finite state. Where the
+//! solution for the accelerations of a multibody is not finite, rapier goes on with accelerations of zero and does not
+//! tell. The solver settings except `substeps` do not act on multibody joints.
+
+mod double;
+mod held;
+mod settings;
+mod single;
+
+use super::{Engine, Entry, Spec, Unsupported};
+use crate::mechanics::System;
+
+pub use held::{Held, HeldBody};
+
+use settings::{KEYS, Precision, Settings};
+
+/// The entry in the list of engines.
+pub(super) const ENTRY: Entry = Entry {
+    name: "rapier",
+    summary: "rapier 0.36: impulse or multibody joints, f32 or f64; bare, what a rapier user gets by default",
+    keys: KEYS,
+    build,
+};
+
+fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    let settings = Settings::new(spec);
+    Ok(match settings.precision {
+        Precision::Single => Box::new(single::World::new(system, &settings, step)?),
+        Precision::Double => Box::new(double::World::new(system, &settings, step)?),
+    })
+}
+
+/// What rapier holds of a system before the first step, read back from its own bodies: the evidence that it simulates
+/// the same system.
+///
+/// # Errors
+/// Rapier has no means for something that the system needs.
+pub fn hold(spec: &Spec, system: &System, step: f64) -> Result<Held, Unsupported> {
+    let settings = Settings::new(spec);
+    Ok(match settings.precision {
+        Precision::Single => single::World::new(system, &settings, step)?.held(),
+        Precision::Double => double::World::new(system, &settings, step)?.held(),
+    })
+}

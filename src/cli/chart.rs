@@ -32,7 +32,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 }
 
 fn read(path: &Path) -> Result<Report, CliError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
     Report::from_json(&text).map_err(|error| CliError::Report { path: path.to_path_buf(), error })
 }

@@ -92,11 +92,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// The engines named, or the default ones, none twice.
 fn engines(args: &Args) -> Result<Vec<Spec>, CliError> {
-    let named: Vec<&str> = if args.engine.is_empty() {
-        ENGINES.to_vec()
-    } else {
-        args.engine.iter().map(String::as_str).collect()
-    };
+    let named: Vec<&str> =
+        if args.engine.is_empty() { ENGINES.to_vec() } else { args.engine.iter().map(String::as_str).collect() };
     let mut specs: Vec<Spec> = Vec::new();
     for text in named {
         let spec = Spec::parse(text)?;
@@ -118,8 +115,7 @@ fn task(args: &Args, path: &Path) -> Result<Task, CliError> {
     if args.quick {
         steps.truncate(QUICK_STEPS);
     }
-    let horizons =
-        steps.iter().map(|&step| Horizon::nearest(step, duration)).collect::<Result<Vec<Horizon>, _>>()?;
+    let horizons = steps.iter().map(|&step| Horizon::nearest(step, duration)).collect::<Result<Vec<Horizon>, _>>()?;
     let folder = match &args.out {
         Some(out) if args.input.len() == 1 => out.clone(),
         Some(out) => out.join(&scene.name),

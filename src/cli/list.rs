@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::CliError;
+use crate::discrete::methods::METHODS;
 use crate::engines::{ENGINES, Key};
 use crate::model::Scene;
 use crate::report::metrics::METRICS;
@@ -24,6 +25,8 @@ pub struct Args {
 enum What {
     /// Engines and the keys of their specs.
     Engines,
+    /// Discrete Lagrangians of the general theory.
+    Methods,
     /// Scenes under models/ in this folder.
     Scenes,
     /// Figures of a run, by the name that bounds use.
@@ -52,6 +55,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         What::Engines => ENGINES
             .iter()
             .map(|e| Item { keys: e.keys.iter().map(|k| key(*k)).collect(), ..Item::new(e.name, e.summary) })
+            .collect(),
+        What::Methods => METHODS
+            .iter()
+            .map(|m| Item::new(m.name, &format!("order {}, Marsden and West (2001) {}", m.order, m.equation)))
             .collect(),
         What::Scenes => scenes(Path::new("models"))?,
         What::Metrics => METRICS

@@ -56,8 +56,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     }
     let looks = style::looks(report);
     let title = format!("Error against run time: {}", report.scene.name);
-    let subtitle = "One marker a step size; lower left is better. Largest errors over the run; processor time of the stepping \
-                    alone, one thread, median of several repeats";
+    let subtitle = "One marker a step size; lower left is better. Largest error of the run; CPU time of the stepping alone, \
+                    one thread";
     canvas::render(|area| {
         let area = legend::frame(area, &title, subtitle, &looks, &notes(report))?;
         let width = area.dim_in_pixel().0 / panels.len() as u32;

@@ -25,7 +25,7 @@ pub struct Words<'a> {
 impl<'a, 'b> Panel<'a, 'b> {
     pub fn new(area: &'a Area<'b>, x: Axis, y: Axis, words: Words) -> Result<Panel<'a, 'b>, ChartError> {
         let mut builder = ChartBuilder::on(area);
-        builder.margin_right(px(16)).margin_left(px(8)).margin_bottom(px(6));
+        builder.margin_right(px(28)).margin_left(px(8)).margin_bottom(px(6));
         builder.x_label_area_size(px(64)).y_label_area_size(px(if words.y.is_some() { 108 } else { 66 }));
         builder.margin_top(px(38));
         let mut context = builder.build_cartesian_2d(x, y)?;
@@ -90,15 +90,14 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Small words beside a point, to its right or, near the right edge, to its left.
+    /// Small words above a point.
     pub fn label(&self, point: (f64, f64), words: &str, look: Look) -> Result<(), ChartError> {
         let ((x, y), canvas) = self.local(point);
         let style = style::font(style::NOTE, look.colour);
         let (width, height) = canvas.estimate_text_size(words, &style)?;
         let (across, down) = canvas.dim_in_pixel();
-        let fits_right = x + at(12) + (width as i32) < across as i32;
-        let left = if fits_right { x + at(12) } else { x - at(12) - width as i32 };
-        let top = (y - height as i32 / 2).clamp(0, down as i32 - height as i32);
+        let left = (x - width as i32 / 3).clamp(0, across as i32 - width as i32);
+        let top = (y - at(16) - height as i32).clamp(0, down as i32 - height as i32);
         canvas.draw(&Text::new(words.to_string(), (left, top), style))?;
         Ok(())
     }

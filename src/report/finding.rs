@@ -70,10 +70,10 @@ fn cost(run: &Run) -> String {
     run.time.as_ref().map(|t| format!(", at {} µs a step", plain(t.us_per_step, 2))).unwrap_or_default()
 }
 
-/// The error with positions moved back to the time of the velocities, where it is smaller.
+/// The error with positions moved back to the time of the velocities, where that makes it less than half.
 fn corrected(energy: &Energy) -> String {
     match &energy.time_level_corrected {
-        Some(corrected) if corrected.max_relative_error < energy.max_relative_error => format!(
+        Some(corrected) if corrected.max_relative_error < 0.5 * energy.max_relative_error => format!(
             " ({} with its positions moved back to the time of its velocities)",
             written(corrected.max_relative_error)
         ),

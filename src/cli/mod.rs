@@ -1,8 +1,63 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand. The only folder that knows clap and indicatif.
+//!
+//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 2 bad usage or bad input, 3 a run that
+//! could not be finished, 130 interrupted.
+
+mod chart;
+mod compare;
+mod error;
+mod generate;
+mod input;
+mod inspect;
+mod interrupt;
+mod list;
+mod progress;
+mod schema;
+mod simulate;
 
 use std::process::ExitCode;
 
+use clap::{Parser, Subcommand};
+
+pub use error::CliError;
+
+/// Compares a variational RATTLE integrator with rapier on the same URDF multibody models.
+#[derive(Debug, Parser)]
+#[command(name = "rattlebench", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Inspect(inspect::Args),
+    Simulate(simulate::Args),
+    Compare(compare::Args),
+    Generate(generate::Args),
+    Chart(chart::Args),
+    List(list::Args),
+    Schema(schema::Args),
+}
+
 /// Parses the command line and runs the subcommand that it names.
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    let done = match Cli::parse().command {
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Generate(args) => generate::run(&args),
+        Command::Chart(args) => chart::run(&args),
+        Command::List(args) => list::run(&args),
+        Command::Schema(args) => schema::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if !error.is_silent() {
+                eprintln!("error: {error}");
+            }
+            error.exit_code()
+        }
+    }
 }

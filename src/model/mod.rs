@@ -5,6 +5,7 @@ mod error;
 pub mod generate;
 mod inertia;
 mod names;
+mod needs;
 mod resolve;
 pub mod scene;
 mod scene_error;

@@ -34,9 +34,9 @@ pub enum SceneProblem {
     UnknownExtension,
     #[error("model '{model}' is not found at {path}; the path is relative to the scene file")]
     ModelMissing { model: String, path: String },
-    #[error("{key} must be > 0 {unit}, got {value}")]
+    #[error("{key} must be > 0{}, got {value}", unit_text(.unit))]
     NotPositive { key: String, unit: &'static str, value: f64 },
-    #[error("{key} must be >= 0 {unit}, got {value}")]
+    #[error("{key} must be >= 0{}, got {value}", unit_text(.unit))]
     Negative { key: String, unit: &'static str, value: f64 },
     #[error("{key}: joint '{joint}' is not defined; {}", known("joints", .joint, .joints))]
     UnknownJoint { key: String, joint: String, joints: Vec<String> },
@@ -70,7 +70,11 @@ pub enum SceneProblem {
     DuplicateLoop { key: String, name: String },
 }
 
-/// Passes a finite number above zero.
+fn unit_text(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+/// Passes a finite number above zero. `unit` may be empty.
 ///
 /// # Errors
 /// `{key} must be > 0 {unit}, got {value}`, for NaN and infinity as well.

@@ -1,0 +1,232 @@
+//! `inspect`: what was read, what is ignored, what the scene needs.
+
+use std::fmt;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::CliError;
+use crate::mechanics::System;
+use crate::model::{Base, Ignored, JointKind, Scene};
+
+/// Show what was read from a model or scene, what of it is ignored, and what it needs.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A .urdf file or a scene .json file.
+    input: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let inspection = Inspection::of(&Scene::load(&args.input)?);
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&inspection)?)?;
+    } else {
+        write!(out, "{inspection}")?;
+    }
+    Ok(())
+}
+
+/// What a scene holds. Lengths m, angles rad, masses kg.
+#[derive(Debug, Serialize)]
+struct Inspection {
+    scene: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    description: String,
+    robot: String,
+    base: &'static str,
+    gravity: [f64; 3],
+    duration_s: f64,
+    steps_s: Vec<f64>,
+    total_mass_kg: f64,
+    degrees_of_freedom: usize,
+    moving_bodies: usize,
+    welded_links: usize,
+    links: Vec<LinkRow>,
+    joints: Vec<JointRow>,
+    loops: usize,
+    springs: usize,
+    drives: usize,
+    bounds: usize,
+    needs: Vec<String>,
+    remarks: Vec<String>,
+    ignored: Vec<Ignored>,
+    /// Why the scene cannot be simulated as it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    obstacle: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct LinkRow {
+    name: String,
+    mass_kg: f64,
+    /// Centre of mass in the link frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    com_m: Option<[f64; 3]>,
+    /// xx, xy, xz, yy, yz, zz about the centre of mass, in axes of the link frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inertia_kg_m2: Option<[f64; 6]>,
+}
+
+#[derive(Debug, Serialize)]
+struct JointRow {
+    name: String,
+    #[serde(rename = "type")]
+    kind: &'static str,
+    parent: String,
+    child: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<[f64; 3]>,
+    damping: f64,
+    initial_position: Vec<f64>,
+    initial_velocity: Vec<f64>,
+}
+
+impl Inspection {
+    fn of(scene: &Scene) -> Self {
+        let model = &scene.model;
+        let floating = matches!(scene.base, Base::Floating { .. });
+        let welded_links = model.joints.iter().filter(|j| j.kind == JointKind::Fixed).count();
+        let link = |link: &crate::model::Link| LinkRow {
+            name: link.name.clone(),
+            mass_kg: link.inertial.as_ref().map_or(0.0, |i| i.mass),
+            com_m: link.inertial.as_ref().map(|i| i.com.into()),
+            inertia_kg_m2: link
+                .inertial
+                .as_ref()
+                .map(|i| [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| i.inertia[place])),
+        };
+        let joint = |(joint, initial): (&crate::model::Joint, &crate::model::scene::JointInitial)| JointRow {
+            name: joint.name.clone(),
+            kind: joint.kind.name(),
+            parent: model.links[joint.parent].name.clone(),
+            child: model.links[joint.child].name.clone(),
+            axis: joint.kind.has_axis().then(|| joint.axis.into_inner().into()),
+            damping: joint.damping,
+            initial_position: initial.position.clone(),
+            initial_velocity: initial.velocity.clone(),
+        };
+        let links: Vec<LinkRow> = model.links.iter().map(link).collect();
+        Inspection {
+            scene: scene.name.clone(),
+            description: scene.description.clone(),
+            robot: model.name.clone(),
+            base: if floating { "floating" } else { "fixed" },
+            gravity: scene.gravity.into(),
+            duration_s: scene.duration,
+            steps_s: scene.steps.clone(),
+            total_mass_kg: links.iter().map(|l| l.mass_kg).sum(),
+            degrees_of_freedom: scene.tree_degrees_of_freedom(),
+            moving_bodies: model.joints.len() - welded_links + usize::from(floating),
+            welded_links,
+            links,
+            joints: model.joints.iter().zip(&scene.initial).map(joint).collect(),
+            loops: scene.loops.len(),
+            springs: scene.springs.len(),
+            drives: scene.drives.len(),
+            bounds: scene.bounds.len(),
+            needs: scene.needs(),
+            remarks: model.remarks.clone(),
+            ignored: model.ignored.clone(),
+            obstacle: System::compile(scene).err().map(|e| e.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for Inspection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "scene    {} (robot '{}')", self.scene, self.robot)?;
+        if !self.description.is_empty() {
+            writeln!(f, "         {}", self.description)?;
+        }
+        writeln!(f, "base     {}, gravity ({}) m/s^2", self.base, spaced(&self.gravity))?;
+        writeln!(f, "run      {} s, steps {} s", self.duration_s, spaced(&self.steps_s))?;
+        writeln!(
+            f,
+            "size     {} links, {} joints, {} moving bodies, {} welded links, {} degrees of freedom, {} kg",
+            self.links.len(),
+            self.joints.len(),
+            self.moving_bodies,
+            self.welded_links,
+            self.degrees_of_freedom,
+            rounded(self.total_mass_kg)
+        )?;
+        let extras =
+            [(self.loops, "loops"), (self.springs, "springs"), (self.drives, "drives"), (self.bounds, "bounds")];
+        let extras: Vec<_> =
+            extras.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        if !extras.is_empty() {
+            writeln!(f, "also     {}", extras.join(", "))?;
+        }
+        writeln!(f, "needs    {}", if self.needs.is_empty() { "nothing".to_owned() } else { self.needs.join(", ") })?;
+        self.links_table(f)?;
+        self.joints_table(f)?;
+        if !self.remarks.is_empty() {
+            writeln!(f, "\nremarks")?;
+            self.remarks.iter().try_for_each(|remark| writeln!(f, "  {remark}"))?;
+        }
+        if !self.ignored.is_empty() {
+            writeln!(f, "\nread but not simulated")?;
+            self.ignored.iter().try_for_each(|i| writeln!(f, "  {}: {} ({})", i.element, i.what, i.value))?;
+        }
+        if let Some(obstacle) = &self.obstacle {
+            writeln!(f, "\ncannot be simulated as it is\n  {obstacle}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Inspection {
+    fn links_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.links.iter().map(|l| l.name.chars().count()).max().unwrap_or(0);
+        writeln!(f, "\nlinks")?;
+        for link in &self.links {
+            let Some(com) = link.com_m else {
+                writeln!(f, "  {:width$}  no mass", link.name)?;
+                continue;
+            };
+            let mass = format!("{} kg", rounded(link.mass_kg));
+            writeln!(f, "  {:width$}  {mass:>12}  centre of mass ({}) m", link.name, spaced(&com))?;
+        }
+        Ok(())
+    }
+
+    fn joints_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.joints.is_empty() {
+            return Ok(());
+        }
+        let width = self.joints.iter().map(|j| j.name.chars().count()).max().unwrap_or(0);
+        writeln!(f, "\njoints")?;
+        for joint in &self.joints {
+            write!(f, "  {:width$}  {:10}  {} -> {}", joint.name, joint.kind, joint.parent, joint.child)?;
+            if let Some(axis) = joint.axis {
+                write!(f, ", axis ({})", spaced(&axis))?;
+            }
+            if joint.damping > 0.0 {
+                write!(f, ", damping {}", joint.damping)?;
+            }
+            for (what, values) in [("from", &joint.initial_position), ("velocity", &joint.initial_velocity)] {
+                if values.iter().any(|x| *x != 0.0) {
+                    write!(f, ", {what} ({})", spaced(values))?;
+                }
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+fn spaced(values: &[f64]) -> String {
+    values.iter().map(|x| rounded(*x)).collect::<Vec<_>>().join(" ")
+}
+
+/// Six significant digits, without trailing zeros.
+fn rounded(value: f64) -> String {
+    let short: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    // Adding zero turns -0 into 0.
+    format!("{}", short + 0.0)
+}

@@ -1,0 +1,34 @@
+//! `schema`: JSON Schemas of the files that are read and written.
+
+use std::io::Write as _;
+
+use clap::ValueEnum;
+
+use super::CliError;
+use crate::model::scene_file::SceneFile;
+use crate::report::Report;
+
+/// Print the JSON Schema of a file on stdout.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Which file.
+    file: File,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum File {
+    /// A scene file.
+    Scene,
+    /// A report.json.
+    Report,
+}
+
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let schema = match args.file {
+        File::Scene => schemars::schema_for!(SceneFile),
+        File::Report => schemars::schema_for!(Report),
+    };
+    let text = serde_json::to_string_pretty(&schema)?;
+    writeln!(std::io::stdout().lock(), "{text}")?;
+    Ok(())
+}

@@ -7,7 +7,7 @@ use rapier3d_f64::prelude::{
 };
 use rattlebench::engines::{self, StepFailure};
 use rattlebench::mechanics::coordinates::{JointCoordinates, joint_coordinates};
-use rattlebench::mechanics::{State, System, energy};
+use rattlebench::mechanics::{State, System, constraint, energy};
 use rattlebench::model::{Inertial, JointKind};
 
 use crate::runs::{after, difference, engine, spec};
@@ -100,7 +100,7 @@ fn velocities_of_a_multibody_are_those_of_the_end_of_the_step() {
     };
     let step = 1e-3;
     let (before, now) = (angle(&after(text, &system, step, 4)), angle(&after(text, &system, step, 5)));
-    // theta1 = theta0 + h thetadot1: measured 1e-13, while the velocity changes by 6e-3 in the step.
+    // theta1 = theta0 + h thetadot1, while the velocity changes by 6e-3 in the step.
     assert_relative_eq!((now.0 - before.0) / step, now.1, epsilon = 1e-12);
     assert!((now.1 - before.1).abs() > 1e-3);
 }
@@ -108,7 +108,11 @@ fn velocities_of_a_multibody_are_those_of_the_end_of_the_step() {
 #[test]
 fn positions_lead_velocities_by_half_a_substep() {
     let system = common::compile(&common::chain(&[(JointKind::Revolute, Vector3::y())]));
-    for text in BOTH.into_iter().chain(["rapier:preset=strong"]) {
+    // With impulse joints as they come the energy that they dissipate, 2e-2 here, hides the difference.
+    for (text, gain) in [
+        (BOTH[1], 100.0),              // measured 300
+        ("rapier:preset=strong", 4.0), // measured 8
+    ] {
         let mut engine = engine(text, &system, 0.01);
         let lag = engine.position_lag_s();
         let mut state = system.initial.clone();
@@ -121,7 +125,9 @@ fn positions_lead_velocities_by_half_a_substep() {
                 *worst = worst.max((total / system.energy_scale).abs());
             }
         }
-        println!("{text} lag {lag} raw {:.2e} corrected {:.2e} wrong sign {:.2e}", worst[0], worst[1], worst[2]);
+        let [raw, corrected, wrong_sign] = worst;
+        assert!(raw > 5e-3 && raw > gain * corrected, "{text}: {raw:e} {corrected:e}");
+        assert!(wrong_sign > 1.8 * raw, "{text}: {raw:e} {wrong_sign:e}");
     }
 }
 
@@ -135,7 +141,9 @@ fn a_damper_slows_a_flywheel_as_its_equation_says() {
             let state = after(text, &system, time / f64::from(steps), steps);
             (state.bodies[0].angular_velocity.z / exact - 1.0).abs()
         };
-        println!("{text} {:.2e} {:.2e}", error(500), error(2000));
+        let (coarse, fine) = (error(500), error(2000));
+        assert!(fine <= 1e-3, "{text}: {fine:e}"); // measured 1.1e-4, 4.3e-4 with one substep
+        assert_relative_eq!(coarse / fine, 4.0, max_relative = 0.01);
     }
 }
 
@@ -153,9 +161,10 @@ fn every_key_acts() {
     let system = scenes::damped(&scenes::named("every joint"), 0.01);
     let run = |text: &str| after(text, &system, 1e-3, 50);
     let default = run("rapier");
+    let double = run("rapier:precision=f64");
+    assert!(difference(&default, &double) > 1e-5);
     for key in [
         "joints=multibody",
-        "precision=f64",
         "preset=strong",
         "substeps=2",
         "iterations=3",
@@ -163,10 +172,9 @@ fn every_key_acts() {
         "softness_hz=100",
         "damping_ratio=50,softness_hz=1000",
         "gyro=off",
-        "warmstart=on",
     ] {
-        let change = difference(&default, &run(&format!("rapier:{key}")));
-        println!("{key} {change:.1e}");
+        let change = difference(&double, &run(&format!("rapier:precision=f64,{key}")));
+        assert!(change > 1e-5, "{key}: {change:e}");
     }
     let spelled = run("rapier:precision=f64,substeps=1,iterations=4,stabilization=0");
     assert_eq!(run("rapier:preset=strong"), spelled);
@@ -175,6 +183,28 @@ fn every_key_acts() {
         run("rapier:substeps=1,iterations=16,stabilization=0")
     );
     assert_eq!(run("rapier:preset=default"), default);
+}
+
+/// Each row applies its old impulse right before it is solved, and what it then adds makes up for it exactly: with `d`
+/// the row's inverse mass, `w + (r - d w - c w) / (d + c) = r / (d + c)` whatever `w` is.
+#[test]
+fn a_warm_start_changes_joints_without_limits_by_roundoff_only() {
+    let system = scenes::damped(&scenes::named("every joint"), 0.01);
+    for joints in ["rapier:precision=f64", "rapier:precision=f64,softness_hz=20"] {
+        let run = |text: &str| after(text, &system, 1e-3, 50);
+        let change = difference(&run(joints), &run(&format!("{joints},warmstart=on")));
+        assert!(change > 0.0 && change <= 1e-12, "{joints}: {change:e}"); // measured 4e-13, 1e-14
+    }
+}
+
+#[test]
+fn multibody_joints_hold_to_roundoff_and_impulse_joints_do_not() {
+    let system = common::compile(&common::alternating(5));
+    let residual = |text: &str| constraint::residual(&system, &after(text, &system, 1e-3, 500));
+    let (multibody, impulse) = (residual(BOTH[1]), residual(BOTH[0]));
+    assert!(multibody.position <= 2e-16, "{multibody:?}"); // measured 4.9e-17
+    assert!(multibody.velocity <= 1e-14, "{multibody:?}"); // measured 3.6e-15
+    assert!(impulse.position > 1e-5 && impulse.velocity > 5e-3, "{impulse:?}"); // measured 3.9e-5, 1.8e-2
 }
 
 #[test]
@@ -187,24 +217,32 @@ fn runs_repeat_bit_by_bit() {
 
 #[test]
 fn a_motion_that_overflows_ends_in_a_failure_and_the_last_finite_state() {
-    for text in ["rapier", "rapier:joints=multibody", "rapier:precision=f64", "rapier:joints=multibody,precision=f64"] {
+    for (text, factor) in [("rapier", 1e30), ("rapier:precision=f64", 1e300), ("rapier:preset=strong", 1e300)] {
         let mut system = scenes::named("chain");
-        system.gravity *= if text.contains("f64") { 1e300 } else { 1e30 };
+        system.gravity *= factor;
         let mut engine = engine(text, &system, 1.0);
         let mut state = system.initial.clone();
-        let failure = loop {
+        let failure = (0..100).find_map(|_| {
             engine.write_state(&mut state);
-            if let Err(failure) = engine.step() {
-                break failure;
-            }
-        };
+            engine.step().err()
+        });
+        let failure = failure.expect("the motion overflows");
         assert!(matches!(&failure, StepFailure::Diverged { detail } if detail.contains("body 'link_")), "{failure}");
         let mut kept = system.initial.clone();
         engine.write_state(&mut kept);
         assert!(kept.is_finite() && kept == state, "{text}");
         assert_eq!(engine.step(), Err(failure), "{text}");
-        println!("{text} {failure}", failure = engine.step().expect_err("it stays failed"));
     }
+}
+
+/// A known shortfall of rapier (`free_velocity_energy_guard`): accelerations that are not finite become zero, so the
+/// run goes on as if there were no forces and no engine outside can tell.
+#[test]
+fn a_multibody_hides_an_overflow_of_its_accelerations() {
+    let mut system = scenes::named("pendulum");
+    system.initial_coordinates[0].velocity[0] = 1e30;
+    let rates = |steps| after("rapier:joints=multibody", &system, 1.0, steps).bodies[0].angular_velocity.norm();
+    assert_relative_eq!(rates(5), 1e30, max_relative = 1e-6);
 }
 
 #[test]

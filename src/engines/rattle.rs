@@ -1,52 +1,91 @@
 //! The variational RATTLE core as an engine.
 
-use super::{Engine, Entry, Spec, StepFailure, Unsupported};
+use super::{Choice, Engine, Entry, Key, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
+use crate::variational::composition;
 use crate::variational::{Failure, Rattle};
+
+static ORDER: Choice = Choice {
+    name: "order",
+    words: &["2", "4", "6", "8"],
+    summary: "order of the symmetric composition of RATTLE steps: 1, 5, 13 or 17 of them a step",
+};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
-    summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible, order 2",
-    keys: &[],
+    summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
+    keys: &[Key::Choice(&ORDER)],
     build,
 };
 
 fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let names = |i: usize| (system.bodies[i].name.clone(), system.bodies[i].joint.name.clone());
+    let order = spec.word(&ORDER);
+    let composition =
+        composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
+    if let Some(body) = system.bodies.iter().find(|b| b.joint.damping > 0.0 && composition.stages() > 1) {
+        return Err(Unsupported {
+            engine: spec.to_string(),
+            what: format!(
+                "damping (joint '{}') at order {order}: a composition of order above 2 has backward substeps, in which a \
+                 damper would give energy; use order=2",
+                body.joint.name
+            ),
+        });
+    }
     let rattle = Rattle::new(system)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step, &names) })?;
     let names = (0..system.bodies.len()).map(names).collect();
-    Ok(Box::new(RattleEngine { rattle, step, taken: 0, names }))
+    let substeps = composition.weights().map(|w| w * step).collect();
+    Ok(Box::new(RattleEngine {
+        rattle,
+        substeps,
+        step,
+        taken: 0,
+        names,
+        before: system.initial.clone(),
+        failed: false,
+    }))
 }
 
-/// RATTLE at a fixed step.
+/// A composition of RATTLE steps at a fixed step.
 struct RattleEngine {
     rattle: Rattle,
+    substeps: Vec<f64>,
     step: f64,
     taken: u64,
     /// Body and joint names, for failures.
     names: Vec<(String, String)>,
+    /// The state before the present step, which stands after one of several substeps has failed.
+    before: State,
+    failed: bool,
 }
 
 impl Engine for RattleEngine {
     fn step(&mut self) -> Result<(), StepFailure> {
-        match self.rattle.step(self.step) {
-            Ok(()) => {
-                self.taken += 1;
-                Ok(())
-            }
-            Err(failure) => {
+        if self.substeps.len() > 1 {
+            self.rattle.write_state(&mut self.before);
+        }
+        for (k, substep) in self.substeps.iter().enumerate() {
+            if let Err(failure) = self.rattle.step(*substep) {
+                self.failed = k > 0;
                 let detail = describe(failure, self.taken as f64 * self.step, self.step, &|i| self.names[i].clone());
-                Err(match failure {
+                return Err(match failure {
                     Failure::NotFinite { .. } => StepFailure::Diverged { detail },
                     _ => StepFailure::NotConverged { detail },
-                })
+                });
             }
         }
+        self.taken += 1;
+        Ok(())
     }
 
     fn write_state(&self, out: &mut State) {
-        self.rattle.write_state(out);
+        if self.failed {
+            out.clone_from(&self.before);
+        } else {
+            self.rattle.write_state(out);
+        }
     }
 }
 

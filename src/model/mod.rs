@@ -1,17 +1,31 @@
 //! What a URDF and a scene file say, as plain validated data in SI units. Nothing here knows dynamics.
 
+mod document;
+mod error;
+pub mod generate;
+mod inertia;
+mod names;
+mod resolve;
 pub mod scene;
+mod scene_error;
+pub mod scene_file;
+mod shapes;
+mod tree;
+mod urdf;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
+pub use error::{ModelError, Position, Problem};
 pub use scene::{Base, Scene};
+pub use scene_error::{SceneError, SceneProblem};
+pub use urdf::{read_urdf, read_urdf_with_density};
 
 /// A URDF as read: a tree of links. `links[0]` is the root, and every joint's parent stands before its child.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub name: String,
     pub links: Vec<Link>,
-    /// In tree order: the joint of a link's parent comes before the joint of the link.
+    /// In tree order: the joint of a link's parent comes before the joint of the link. Joint `j` carries link `j + 1`.
     pub joints: Vec<Joint>,
     /// What the file holds and a run does not use, in the order of the file.
     pub ignored: Vec<Ignored>,
@@ -104,6 +118,19 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// The values of `<joint type="...">`.
+    pub const NAMES: [&str; 7] = ["fixed", "revolute", "continuous", "prismatic", "planar", "spherical", "floating"];
+
+    /// The value of `<joint type="...">`.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// True where the axis has a meaning.
+    pub fn has_axis(self) -> bool {
+        matches!(self, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Planar)
+    }
+
     /// Number of coordinates, and of velocities.
     pub fn degrees_of_freedom(self) -> usize {
         match self {

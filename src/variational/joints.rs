@@ -1,6 +1,6 @@
 //! Bodies and joints in the layout of the core: index 0 is the ground, body `b` of the system is node `b + 1`.
 
-use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3, Vector4};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::spatial::{Spatial, Twist, Wrench};
 use crate::mechanics::{JointKind, System};
@@ -172,24 +172,81 @@ pub(super) fn along_joint(node: &Node, place: &Place, along: &Vector3<f64>) -> W
     Spatial::new(place.axes * force, place.axes * torque)
 }
 
-/// Change of a joint's coordinates between two configurations less than half a turn apart, of a joint with at most three
-/// of them. For a ball joint it is the rotation vector of the change, in the parent's joint frame.
-pub(super) fn travel(node: &Node, child: (&Pose, &Pose), parent: (&Pose, &Pose)) -> Vector3<f64> {
-    let relative = |child: &Pose, parent: &Pose| {
-        let to_joint = (parent.r * node.parent_frame).transpose();
-        let gap = (child.x - parent.x) + (child.r * node.arm - parent.r * node.parent_arm);
-        (to_joint * gap, to_joint * (child.r * node.frame))
-    };
-    let (x0, r0) = relative(child.0, parent.0);
-    let (x1, r1) = relative(child.1, parent.1);
-    let shift = x1 - x0;
-    let turn =
-        || UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r1 * r0.transpose())).scaled_axis();
-    match node.kind {
-        JointKind::Revolute => Vector3::new(turn().z, 0.0, 0.0),
-        JointKind::Prismatic => Vector3::new(shift.z, 0.0, 0.0),
-        JointKind::Planar => Vector3::new(shift.x, shift.y, turn().z),
-        JointKind::Spherical => turn(),
-        JointKind::Floating => Vector3::zeros(),
+/// How a body has moved over a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    /// Change of the centre of mass, m.
+    pub dx: Vector3<f64>,
+    /// Cayley vector of the rotation, world axes.
+    pub s: Vector3<f64>,
+}
+
+impl Motion {
+    pub(super) const NONE: Motion = Motion { dx: Vector3::new(0.0, 0.0, 0.0), s: Vector3::new(0.0, 0.0, 0.0) };
+
+    /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`.
+    #[inline(always)]
+    fn turned(&self, r: &Vector3<f64>) -> Vector3<f64> {
+        let once = self.s.cross(r);
+        (once + self.s.cross(&once)) * (2.0 / (1.0 + self.s.norm_squared()))
+    }
+}
+
+/// What a step has done to a joint that held at its start, computed from the motions alone: small steps do not cancel.
+pub(super) struct Moved {
+    /// Change of the relative position of the joint point, seen from the parent's moved body, m.
+    gap: Vector3<f64>,
+    /// Cayley vector of the relative rotation `F_parent^-1 F_child`.
+    turn: Vector3<f64>,
+}
+
+impl Moved {
+    /// `parent_arm` is the [`Place::arm`] of the parent.
+    #[inline(always)]
+    pub(super) fn new(place: &Place, parent_arm: &Vector3<f64>, child: &Motion, parent: &Motion) -> Moved {
+        let gap = (child.dx - parent.dx) + (child.turned(&place.arm) - parent.turned(&(parent_arm + place.offset)));
+        // (1, -b) (1, a) = (1 + a.b, a - b - b x a)
+        let (a, b) = (&child.s, &parent.s);
+        Moved { gap, turn: (a - b - b.cross(a)) / (1.0 + a.dot(b)) }
+    }
+
+    /// The part that the joint does not allow; zero exactly where the joint still holds.
+    #[inline(always)]
+    pub(super) fn locked(&self, node: &Node, place: &Place, parent: &Motion) -> Twist {
+        let z = place.axes.column(2);
+        let across = |v: &Vector3<f64>, z: &Vector3<f64>| v - z * z.dot(v);
+        match node.kind {
+            JointKind::Revolute => Spatial::new(self.gap, 2.0 * across(&self.turn, &z.into_owned())),
+            JointKind::Spherical => Spatial::new(self.gap, Vector3::zeros()),
+            JointKind::Prismatic => {
+                let z = z + parent.turned(&z.into_owned());
+                Spatial::new(across(&self.gap, &z), 2.0 * self.turn)
+            }
+            JointKind::Planar => {
+                let turned = z + parent.turned(&z.into_owned());
+                Spatial::new(turned * turned.dot(&self.gap), 2.0 * across(&self.turn, &z.into_owned()))
+            }
+            JointKind::Floating => Spatial::ZERO,
+        }
+    }
+
+    /// Change of the coordinates of a joint with at most three of them. For a ball joint it is the rotation vector of the
+    /// change, in the parent's joint frame.
+    pub(super) fn travel(&self, node: &Node, place: &Place, parent: &Motion) -> Vector3<f64> {
+        let along = |k: usize| {
+            let axis = place.axes.column(k).into_owned();
+            (axis + parent.turned(&axis)).dot(&self.gap)
+        };
+        let turn = place.axes.tr_mul(&self.turn);
+        match node.kind {
+            JointKind::Revolute => Vector3::new(2.0 * turn.z.atan(), 0.0, 0.0),
+            JointKind::Prismatic => Vector3::new(along(2), 0.0, 0.0),
+            JointKind::Planar => Vector3::new(along(0), along(1), 2.0 * turn.z.atan()),
+            JointKind::Spherical => {
+                let length = turn.norm();
+                if length > 0.0 { turn * (2.0 * length.atan() / length) } else { turn }
+            }
+            JointKind::Floating => Vector3::zeros(),
+        }
     }
 }

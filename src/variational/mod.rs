@@ -4,6 +4,7 @@
 //! manifold of the joints. Its linear algebra is the tree recursion of [`tree`]; a body turns by [`rotation`].
 
 mod compensated;
+pub mod composition;
 mod joints;
 mod predictor;
 pub mod rattle;

@@ -25,7 +25,7 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
-use super::joints::{Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes, travel};
+use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
 use super::predictor::Predictor;
 use super::rotation::moser_veselov;
 use super::spatial::{Spatial, Twist, Wrench};
@@ -34,6 +34,11 @@ use crate::mechanics::{BodyState, JointKind, State, System};
 
 /// Rounds of the chord iteration after which a step is given up.
 const MOST_ROUNDS: usize = 60;
+
+/// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is known
+/// to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the step,
+/// into the momenta.
+const RETURN: f64 = 1e-3;
 
 /// Why a step could not be taken. Bodies and joints are named by the index of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,10 +69,10 @@ struct Body {
 struct Trial {
     /// Impulse of the first half kick on the body about its centre of mass: gravity and joints.
     kick: Wrench,
-    /// Change of the position over the step.
-    dx: Vector3<f64>,
-    /// Change of the attitude quaternion over the step.
-    dq: Vector4<f64>,
+    /// Change of position and attitude over the step.
+    motion: Motion,
+    /// What roundoff may do to the motion, over `f64::EPSILON`, m.
+    roundoff: f64,
     /// `h m0` and its solution `s` of the rotation rule; the next solution starts from them.
     hm: Vector3<f64>,
     s: Vector3<f64>,
@@ -82,13 +87,13 @@ pub struct Rattle {
     gravity: Vector3<f64>,
     bodies: Vec<Body>,
     /// The configuration at the start of the step, the joints' places in it, and its factorisation.
-    pose0: Vec<Pose>,
+    pose: Vec<Pose>,
     places: Vec<Place>,
     tree: Tree,
     /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
     damped: Option<Tree>,
-    /// The configuration that is being tried.
-    pose1: Vec<Pose>,
+    /// The part of the joints' mismatch there that the next step takes away.
+    gap0: Vec<Twist>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,
@@ -133,13 +138,13 @@ impl Rattle {
         };
         let rest = Trial {
             kick: Spatial::ZERO,
-            dx: Vector3::zeros(),
-            dq: Vector4::zeros(),
+            motion: Motion::NONE,
+            roundoff: 0.0,
             hm: Vector3::zeros(),
             s: Vector3::zeros(),
         };
         let mut bodies = vec![ground; n];
-        let mut pose0 = vec![Pose::GROUND; n];
+        let mut pose = vec![Pose::GROUND; n];
         for (i, b) in state.bodies.iter().enumerate() {
             let omega = b.attitude.inverse_transform_vector(&b.angular_velocity);
             let pi = b.attitude * system.bodies[i].inertia.component_mul(&omega);
@@ -149,7 +154,7 @@ impl Rattle {
                 p: (system.bodies[i].mass * b.velocity).into(),
                 pi: pi.into(),
             };
-            pose0[i + 1] = Pose::new(b.position, b.attitude.coords);
+            pose[i + 1] = Pose::new(b.position, b.attitude.coords);
         }
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let mut rattle = Rattle {
@@ -158,8 +163,8 @@ impl Rattle {
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
             damped: nodes.iter().any(|node| node.damping > 0.0).then(|| Tree::new(&nodes)),
-            pose1: pose0.clone(),
-            pose0,
+            pose,
+            gap0: vec![Spatial::ZERO; n],
             trial: vec![rest; n],
             bias: vec![Spatial::ZERO; n],
             travel: vec![Vector3::zeros(); n],
@@ -183,20 +188,20 @@ impl Rattle {
     /// See [`Failure`].
     pub fn step(&mut self, h: f64) -> Result<(), Failure> {
         if let Some(damped) = &mut self.damped {
-            let (nodes, pose) = (&self.nodes, &self.pose0);
+            let (nodes, pose) = (&self.nodes, &self.pose);
             damped
                 .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
                 .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         }
         self.solve_constraints(h)?;
-        self.predictor.record(self.time, h, &self.pose0, &self.wrench);
-        for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
+        self.predictor.record(self.time, h, &self.pose, &self.wrench);
+        for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
-            body.x.add(&trial.dx); // (2)
-            body.q.add(&trial.dq);
+            body.x.add(&trial.motion.dx); // (2)
+            body.q.add(&rotation_increment(&pose.q, &trial.s));
+            *pose = Pose::new(body.x.value, body.q.value);
         }
-        std::mem::swap(&mut self.pose0, &mut self.pose1);
         self.factorise()?;
         self.project_momenta(h);
         self.time += h;
@@ -209,7 +214,7 @@ impl Rattle {
         let mut degree = self.predictor.degree();
         loop {
             match degree {
-                Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose0, &mut self.wrench),
+                Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose, &mut self.wrench),
                 None => self.wrench.fill(Spatial::ZERO),
             }
             for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].damping == 0.0) {
@@ -227,11 +232,10 @@ impl Rattle {
         let (mut last, mut rounds) = (f64::INFINITY, 0);
         loop {
             self.kick_and_drift(h)?;
-            let (joint, residual, extent) = self.measure_mismatch(h);
+            let (joint, residual, roundoff) = self.measure_mismatch(h);
             if !residual.is_finite() {
                 return Err(Failure::NotFinite { body: joint });
             }
-            let roundoff = f64::EPSILON * extent;
             let stagnant = residual > 0.3 * last && residual <= 64.0 * roundoff;
             if residual <= roundoff || stagnant {
                 return Ok(());
@@ -254,8 +258,8 @@ impl Rattle {
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
         for i in 1..self.nodes.len() {
-            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose0[i]);
-            trial.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
+            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
+            trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
             trial.s = match moser_veselov(&node.inertia, &hm, &start) {
@@ -267,33 +271,36 @@ impl Rattle {
                 }
             };
             trial.hm = hm;
-            trial.dq = rotation_increment(&pose.q, &trial.s);
-            self.pose1[i] = Pose::new(body.x.plus(&trial.dx), body.q.plus(&trial.dq));
+            trial.motion.s = pose.r * trial.s;
+            trial.roundoff = trial.motion.dx.amax()
+                + self.length * trial.s.amax()
+                + self.wrench[i].linear.amax() * (h.abs() / node.mass);
         }
         Ok(())
     }
 
     /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
-    /// the system's length), and the largest coordinate that it was computed from.
+    /// the system's length), and how small roundoff lets it become.
     fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
-        let (mut worst, mut joint, mut extent) = (0.0, 0, self.length);
+        let (mut worst, mut joint, mut roundoff) = (0.0, 0, 0.0_f64);
         for i in 1..self.nodes.len() {
-            let (node, pose, parent) = (&self.nodes[i], &self.pose1[i], &self.pose1[self.nodes[i].parent]);
-            let gap = mismatch(node, pose, parent);
+            let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
+            let parent = &self.trial[node.parent].motion;
+            let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
+            let gap = moved.locked(node, place, parent) + self.gap0[i];
             let mut size = gap.linear.amax() + self.length * gap.angular.amax();
             self.bias[i] = gap.scaled(-1.0 / h);
             if node.damping > 0.0 {
-                let d = travel(node, (&self.pose0[i], pose), (&self.pose0[node.parent], parent));
-                self.along[i] = coordinates_of(node, &self.places[i], &self.wrench[i]) + 0.5 * node.damping * d;
-                self.travel[i] = d;
-                size += h * self.along[i].amax() * self.compliance(i);
+                self.travel[i] = moved.travel(node, place, parent);
+                self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
+                size += h.abs() * self.along[i].amax() * self.compliance(i);
             }
             if !(size <= worst) {
                 (worst, joint) = (size, i - 1);
             }
-            extent = pose.x.amax().max(extent);
+            roundoff = trial.roundoff.max(roundoff);
         }
-        (joint, worst, extent)
+        (joint, worst, f64::EPSILON * roundoff)
     }
 
     /// (3): one round of the chord iteration.
@@ -311,9 +318,11 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             let parent = self.nodes[i].parent;
             let parent_arm = self.places[parent].arm;
-            self.places[i] = Place::new(&self.nodes[i], &self.pose0[i], &self.pose0[parent], &parent_arm);
+            let (node, pose, parent) = (&self.nodes[i], &self.pose[i], &self.pose[parent]);
+            self.places[i] = Place::new(node, pose, parent, &parent_arm);
+            self.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
         }
-        let (nodes, pose) = (&self.nodes, &self.pose0);
+        let (nodes, pose) = (&self.nodes, &self.pose);
         self.tree
             .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
             .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
@@ -342,6 +351,8 @@ impl Rattle {
             },
         );
         for i in 1..self.nodes.len() {
+            // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
+            keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {

@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use rattlebench::mechanics::System;
-use rattlebench::model::scene::JointInitial;
 use rattlebench::model::{Base, Inertial, Joint, JointKind, Link, Model, Scene};
 
 /// A rod of 0.3 m and 1 kg along x, its frame at one end.
@@ -35,23 +34,8 @@ pub fn chain(joints: &[(JointKind, Vector3<f64>)]) -> Scene {
             mimic: None,
         });
     }
-    let initial = joints
-        .iter()
-        .map(|(kind, _)| JointInitial {
-            position: vec![0.0; kind.degrees_of_freedom()],
-            velocity: vec![0.0; kind.degrees_of_freedom()],
-        })
-        .collect();
-    Scene {
-        name: "chain".into(),
-        description: String::new(),
-        model: Model { name: "chain".into(), links, joints: list, ignored: vec![], remarks: vec![] },
-        gravity: Vector3::new(0.0, 0.0, -9.81),
-        base: Base::Fixed,
-        initial,
-        duration: 10.0,
-        steps: vec![1e-3],
-    }
+    let model = Model { name: "chain".into(), links, joints: list, ignored: vec![], remarks: vec![] };
+    Scene { steps: vec![1e-3], ..Scene::of_model("chain", model) }
 }
 
 /// A chain whose hinges are about y and z in turn.

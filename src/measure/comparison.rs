@@ -1,0 +1,137 @@
+//! Several engines at several step sizes on one system: all traced runs, then all timed ones.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use super::Horizon;
+use super::clock::{self, Candidate, Timing};
+use super::trace::{self, Limits, Outcome, Trace};
+use crate::engines::{self, Spec};
+use crate::mechanics::System;
+
+/// What is compared.
+#[derive(Debug)]
+pub struct Comparison<'a> {
+    pub system: &'a System,
+    /// Run in this order, engine by engine.
+    pub engines: &'a [Spec],
+    pub horizons: &'a [Horizon],
+    /// Wall-clock time that one run may take.
+    pub budget: Duration,
+    /// Threads for the traced runs. Timed runs have the machine to themselves.
+    pub jobs: usize,
+}
+
+/// How far a comparison is, for a progress bar.
+#[derive(Debug, Default)]
+pub struct Progress {
+    /// Steps of traced runs, and turns of timed ones.
+    pub traced: AtomicU64,
+    pub timed: AtomicU64,
+}
+
+/// One engine at one step size.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub engine: Spec,
+    pub horizon: Horizon,
+    pub trace: Trace,
+    pub timing: Option<Timing>,
+}
+
+/// The runs that were finished, in the order of the comparison.
+#[derive(Clone, Debug)]
+pub struct Results {
+    pub runs: Vec<Run>,
+    /// Some runs or their timing are missing because the comparison was interrupted.
+    pub interrupted: bool,
+}
+
+impl Comparison<'_> {
+    /// Steps that the traced runs take together.
+    pub fn steps(&self) -> u64 {
+        self.engines.len() as u64 * self.horizons.iter().map(|h| h.steps).sum::<u64>()
+    }
+
+    /// Turns that the timed runs take at most.
+    pub fn turns(&self) -> u64 {
+        (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
+    }
+
+    /// Runs everything; `interrupted` may be set from outside at any time.
+    pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
+        let cases: Vec<(&Spec, Horizon)> =
+            self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
+        let limits = Limits { budget: self.budget, interrupted, taken: &progress.traced };
+        let traces = self.trace_all(&cases, &limits);
+        let missing = traces.iter().any(Option::is_none);
+        let mut runs: Vec<Run> = cases
+            .into_iter()
+            .zip(traces)
+            .filter_map(|((spec, horizon), trace)| {
+                Some(Run { engine: spec.clone(), horizon, trace: trace?, timing: None })
+            })
+            .collect();
+        let timed = !missing && self.time_all(&mut runs, interrupted, progress);
+        Results { runs, interrupted: !timed }
+    }
+
+    /// Traces on `jobs` threads, the runs with the most steps first.
+    fn trace_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Trace>> {
+        let mut order: Vec<usize> = (0..cases.len()).collect();
+        order.sort_by_key(|&i| std::cmp::Reverse(cases[i].1.steps));
+        let next = AtomicUsize::new(0);
+        let found: Vec<Mutex<Option<Trace>>> = cases.iter().map(|_| Mutex::new(None)).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..self.jobs.clamp(1, cases.len().max(1)) {
+                scope.spawn(|| {
+                    while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        let (spec, horizon) = cases[i];
+                        let result = self.trace_one(spec, horizon, limits);
+                        if let Ok(mut slot) = found[i].lock() {
+                            *slot = result;
+                        }
+                    }
+                });
+            }
+        });
+        found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
+    }
+
+    fn trace_one(&self, spec: &Spec, horizon: Horizon, limits: &Limits) -> Option<Trace> {
+        match engines::build(spec, self.system, horizon.step) {
+            Ok(mut engine) => trace::trace(self.system, engine.as_mut(), horizon, limits),
+            Err(unsupported) => {
+                limits.taken.fetch_add(horizon.steps, Ordering::Relaxed);
+                Some(Trace::unsupported(unsupported.what))
+            }
+        }
+    }
+
+    /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.
+    fn time_all(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
+        let worth = |run: &Run| match run.trace.outcome {
+            Outcome::Completed | Outcome::OverBudget { .. } => run.trace.steps > 0,
+            _ => false,
+        };
+        let timings = {
+            let candidates: Vec<Candidate> = runs
+                .iter()
+                .filter(|run| worth(run))
+                .map(|run| Candidate {
+                    build: Box::new(|| engines::build(&run.engine, self.system, run.horizon.step).ok()),
+                    steps: run.trace.steps,
+                })
+                .collect();
+            let skipped = runs.len() - candidates.len();
+            progress.timed.fetch_add((skipped * (clock::ROUNDS + 1)) as u64, Ordering::Relaxed);
+            clock::time(&candidates, interrupted, &progress.timed)
+        };
+        let Some(timings) = timings else { return false };
+        for (run, timing) in runs.iter_mut().filter(|run| worth(run)).zip(timings) {
+            run.timing = timing;
+        }
+        true
+    }
+}

@@ -1,0 +1,356 @@
+//! One traced run: energy, joint residuals and momentum from the state after every step.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::Horizon;
+use super::growth::{Growth, Stretch, growth};
+use super::series::Series;
+use super::work::DampingWork;
+use crate::engines::{Engine, StepFailure};
+use crate::mechanics::momentum::{self, Conserved};
+use crate::mechanics::{State, System, constraint, energy};
+
+/// A relative energy error from which on a run counts as diverged.
+pub const DIVERGED: f64 = 1e6;
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    Completed,
+    /// The state stopped being a number, or its energy passed [`DIVERGED`] energy scales.
+    Diverged {
+        detail: String,
+    },
+    /// A step could not be solved.
+    NotConverged {
+        detail: String,
+    },
+    /// The engine has no means for something in the scene.
+    Unsupported {
+        detail: String,
+    },
+    /// The run took longer than it may, on the wall clock.
+    OverBudget {
+        detail: String,
+    },
+}
+
+/// What stops a run before its end, and who is told how far it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits<'a> {
+    /// Wall-clock time that a run may take.
+    pub budget: Duration,
+    /// Set from outside to end the run without a result.
+    pub interrupted: &'a AtomicBool,
+    /// Counts the steps taken, for a progress bar.
+    pub taken: &'a AtomicU64,
+}
+
+/// The figures of a run; what could not be had is `None` or empty.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    pub outcome: Outcome,
+    /// Steps taken, and the time after them, s.
+    pub steps: u64,
+    pub ended_at: f64,
+    /// Energy as the engine's states give it.
+    pub energy: Option<EnergyError>,
+    /// Energy with the positions moved back to the time of the velocities: only where the engine has a lag.
+    pub time_level_corrected: Option<EnergyError>,
+    pub growth: Option<Growth>,
+    pub residual: Option<constraint::Residual>,
+    /// One entry for each component that the scene conserves.
+    pub momentum: Vec<MomentumError>,
+    /// How far the engine's first state is from the scene's.
+    pub start: Option<StartDifference>,
+    pub series: Series<QUANTITIES>,
+}
+
+/// Energy errors over the energy scale of the scene, signed: negative where energy is missing. In damped scenes the
+/// work of the dampers is added first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyError {
+    /// Largest absolute value over all steps.
+    pub max: f64,
+    pub last: f64,
+}
+
+impl EnergyError {
+    fn add(&mut self, error: f64) {
+        self.max = self.max.max(error.abs());
+        self.last = error;
+    }
+}
+
+/// The error of one conserved component, over its scale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MomentumError {
+    pub name: String,
+    pub scale: f64,
+    pub max: f64,
+}
+
+/// Largest differences between an engine's state before the first step and the scene's initial state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StartDifference {
+    /// m
+    pub position: f64,
+    /// rad
+    pub attitude: f64,
+    /// m/s
+    pub velocity: f64,
+    /// rad/s
+    pub angular_velocity: f64,
+    /// Over the energy scale.
+    pub energy: f64,
+}
+
+/// What the series of a trace holds, by index.
+pub const ENERGY: usize = 0;
+pub const CORRECTED_ENERGY: usize = 1;
+pub const POSITION: usize = 2;
+pub const VELOCITY: usize = 3;
+pub const QUANTITIES: usize = 4;
+
+impl Trace {
+    /// The trace of a run that could not begin.
+    pub fn unsupported(detail: String) -> Trace {
+        Trace {
+            outcome: Outcome::Unsupported { detail },
+            steps: 0,
+            ended_at: 0.0,
+            energy: None,
+            time_level_corrected: None,
+            growth: None,
+            residual: None,
+            momentum: Vec::new(),
+            start: None,
+            series: Series::new(0),
+        }
+    }
+}
+
+/// Steps an engine over the horizon, starting from the system's initial state, and measures every state. `None` where it
+/// was interrupted.
+pub fn trace(system: &System, engine: &mut dyn Engine, horizon: Horizon, limits: &Limits) -> Option<Trace> {
+    let mut probe = Probe::new(system, engine, horizon);
+    let begin = Instant::now();
+    let outcome = loop {
+        if probe.taken == horizon.steps {
+            break Outcome::Completed;
+        }
+        if limits.interrupted.load(Ordering::Relaxed) {
+            return None;
+        }
+        if begin.elapsed() > limits.budget {
+            break Outcome::OverBudget {
+                detail: format!(
+                    "reached {} of {} steps in {} s on the wall clock; allow more with --budget",
+                    probe.taken,
+                    horizon.steps,
+                    limits.budget.as_secs_f64()
+                ),
+            };
+        }
+        match engine.step() {
+            Ok(()) => {}
+            Err(StepFailure::NotConverged { detail }) => break Outcome::NotConverged { detail },
+            Err(StepFailure::Diverged { detail }) => break Outcome::Diverged { detail },
+        }
+        if let Err(detail) = probe.measure(engine) {
+            break Outcome::Diverged { detail };
+        }
+        limits.taken.fetch_add(1, Ordering::Relaxed);
+    };
+    limits.taken.fetch_add(horizon.steps - probe.taken, Ordering::Relaxed);
+    Some(probe.finish(outcome))
+}
+
+/// The figures of a run while it goes on.
+struct Probe<'a> {
+    system: &'a System,
+    horizon: Horizon,
+    state: State,
+    taken: u64,
+    lag: f64,
+    /// Energy of the scene's initial state, J.
+    start_energy: f64,
+    damping: Option<DampingWork>,
+    energy: EnergyError,
+    corrected: EnergyError,
+    residual: constraint::Residual,
+    conserved: Vec<(Conserved, f64)>,
+    momentum: Vec<f64>,
+    start: StartDifference,
+    series: Series<QUANTITIES>,
+}
+
+impl<'a> Probe<'a> {
+    fn new(system: &'a System, engine: &dyn Engine, horizon: Horizon) -> Probe<'a> {
+        let mut state = system.initial.clone();
+        let start_energy = energy::energy(system, &state).total();
+        let conserved: Vec<(Conserved, f64)> = momentum::conserved(system)
+            .into_iter()
+            .map(|component| {
+                let value = component.value(system, &state);
+                (component, value)
+            })
+            .collect();
+        engine.write_state(&mut state);
+        Probe {
+            start: start_difference(system, &state),
+            momentum: vec![0.0; conserved.len()],
+            conserved,
+            damping: DampingWork::new(system),
+            lag: engine.position_lag_s(),
+            energy: EnergyError::default(),
+            corrected: EnergyError::default(),
+            residual: constraint::Residual { position: 0.0, velocity: 0.0 },
+            series: Series::new(horizon.steps),
+            taken: 0,
+            system,
+            horizon,
+            state,
+            start_energy,
+        }
+    }
+
+    /// Takes in the state after the next step.
+    ///
+    /// # Errors
+    /// What shows that the run has diverged; the figures stay those of the steps before.
+    fn measure(&mut self, engine: &dyn Engine) -> Result<(), String> {
+        let (system, time) = (self.system, self.horizon.time(self.taken + 1));
+        engine.write_state(&mut self.state);
+        if !self.state.is_finite() {
+            return Err(format!("t = {time:.6} s: the state is not a number"));
+        }
+        let work = self.damping.as_mut().map_or(0.0, |d| d.add(system, &self.state, self.horizon.step));
+        let relative = |energy: f64| (energy + work - self.start_energy) / system.energy_scale;
+        let error = relative(energy::energy(system, &self.state).total());
+        let corrected = match self.lag {
+            0.0 => error,
+            lag => relative(energy::energy_at_velocity_time(system, &self.state, lag).total()),
+        };
+        let residual = constraint::residual(system, &self.state);
+        if !(error.abs() <= DIVERGED && corrected.is_finite() && residual.position.is_finite()) {
+            return Err(format!("t = {time:.6} s: the energy is wrong by {:.1e} of the energy scale", error.abs()));
+        }
+        self.taken += 1;
+        self.energy.add(error);
+        self.corrected.add(corrected);
+        self.residual.position = self.residual.position.max(residual.position);
+        self.residual.velocity = self.residual.velocity.max(residual.velocity);
+        for ((component, start), largest) in self.conserved.iter().zip(&mut self.momentum) {
+            let error = (component.value(system, &self.state) - start) / component.scale;
+            *largest = largest.max(error.abs());
+        }
+        self.series.push(time, [error, corrected, residual.position, residual.velocity]);
+        Ok(())
+    }
+
+    fn finish(self, outcome: Outcome) -> Trace {
+        let measured = self.taken > 0;
+        let stretches: Vec<Stretch> = self
+            .series
+            .blocks
+            .iter()
+            .map(|b| Stretch { to: b.to, count: b.count, error: b.values[CORRECTED_ENERGY] })
+            .collect();
+        let momentum = self.conserved.into_iter().zip(&self.momentum);
+        Trace {
+            growth: growth(&stretches, matches!(outcome, Outcome::Diverged { .. })),
+            outcome,
+            steps: self.taken,
+            ended_at: self.horizon.time(self.taken),
+            energy: measured.then_some(self.energy),
+            time_level_corrected: (measured && self.lag != 0.0).then_some(self.corrected),
+            residual: measured.then_some(self.residual),
+            momentum: momentum
+                .filter(|_| measured)
+                .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })
+                .collect(),
+            start: Some(self.start),
+            series: self.series,
+        }
+    }
+}
+
+fn start_difference(system: &System, state: &State) -> StartDifference {
+    let mut all = StartDifference::default();
+    for (a, b) in state.bodies.iter().zip(&system.initial.bodies) {
+        all.position = all.position.max((a.position - b.position).norm());
+        all.attitude = all.attitude.max(a.attitude.angle_to(&b.attitude));
+        all.velocity = all.velocity.max((a.velocity - b.velocity).norm());
+        all.angular_velocity = all.angular_velocity.max((a.angular_velocity - b.angular_velocity).norm());
+    }
+    let (theirs, ours) = (energy::energy(system, state).total(), energy::energy(system, &system.initial).total());
+    all.energy = ((theirs - ours) / system.energy_scale).abs();
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::growth::Verdict;
+    use crate::measure::synthetic::{Scripted, flywheel};
+
+    fn run<F: Fn(u64) -> f64>(engine: &mut Scripted<F>, steps: u64, budget: Duration) -> Trace {
+        let system = flywheel(2.0, 0.0, 1.0);
+        let horizon = Horizon::exact(1e-3, steps as f64 * 1e-3).expect("whole");
+        let limits = Limits { budget, interrupted: &AtomicBool::new(false), taken: &AtomicU64::new(0) };
+        trace(&system, engine, horizon, &limits).expect("not interrupted")
+    }
+
+    const LONG: Duration = Duration::from_secs(100);
+
+    #[test]
+    fn one_wrong_step_among_thousands_is_the_largest_error() {
+        // The energy scale is J omega^2 / 2 at omega = 1, so the error is omega^2 - 1.
+        let found = run(&mut Scripted::new(|n| if n == 3217 { 1.5 } else { 1.0 }), 5000, LONG);
+        let error = found.energy.expect("measured");
+        assert_eq!(found.outcome, Outcome::Completed);
+        assert!((error.max - 1.25).abs() < 1e-15 && error.last == 0.0, "{error:?}");
+        assert!(found.series.blocks.iter().any(|b| b.values[ENERGY].max == error.max));
+        assert!((found.momentum[0].max - 0.5).abs() < 1e-15, "{:?}", found.momentum);
+        assert_eq!(found.growth.expect("judged").verdict, Verdict::Bounded);
+    }
+
+    #[test]
+    fn an_exploding_run_ends_as_diverged_where_it_does() {
+        let found = run(&mut Scripted::new(|n| 1.01f64.powi(n as i32)), 5000, LONG);
+        // 1.01^(2 n) passes 1e6 + 1 at n = 695.
+        assert_eq!(found.steps, 694);
+        assert!(matches!(&found.outcome, Outcome::Diverged { detail } if detail.starts_with("t = 0.695000 s: ")));
+        assert_eq!(found.growth.expect("judged").verdict, Verdict::BlowUp);
+        let found = run(&mut Scripted::new(|n| if n > 10 { f64::NAN } else { 1.0 }), 100, LONG);
+        assert_eq!(found.outcome, Outcome::Diverged { detail: "t = 0.011000 s: the state is not a number".into() });
+        assert_eq!((found.steps, found.energy), (10, Some(EnergyError { max: 0.0, last: 0.0 })));
+    }
+
+    #[test]
+    fn a_failed_step_keeps_the_figures_before_it() {
+        let mut engine = Scripted::new(|_| 1.0);
+        let failure = StepFailure::NotConverged { detail: "joint 'axle'".into() };
+        engine.fails_at = Some((21, failure));
+        let found = run(&mut engine, 100, LONG);
+        assert_eq!(found.outcome, Outcome::NotConverged { detail: "joint 'axle'".into() });
+        assert_eq!((found.steps, found.ended_at), (20, 0.02));
+    }
+
+    #[test]
+    fn a_run_over_its_budget_says_how_far_it_came() {
+        let found = run(&mut Scripted::new(|_| 1.0), 100, Duration::ZERO);
+        let detail = "reached 0 of 100 steps in 0 s on the wall clock; allow more with --budget";
+        assert_eq!(found.outcome, Outcome::OverBudget { detail: detail.into() });
+        assert_eq!((found.energy, found.growth), (None, None));
+    }
+
+    #[test]
+    fn the_start_of_a_wrong_model_is_seen() {
+        let found = run(&mut Scripted::new(|_| 1.0 + 1e-6), 10, LONG);
+        let start = found.start.expect("measured");
+        assert!((start.angular_velocity - 1e-6).abs() < 1e-15 && (start.energy - 2e-6).abs() < 1e-11, "{start:?}");
+    }
+}

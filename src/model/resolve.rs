@@ -1,0 +1,285 @@
+//! From a scene file to a [`Scene`]: names become indices, numbers are checked.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::error::Position;
+use super::scene::{Anchor, Base, Bound, Drive, JointInitial, Loop, LoopKind, Place, Scene, Spring};
+use super::scene_error::{SceneError, SceneProblem, not_negative, positive};
+use super::scene_file::{
+    AnchorFile, BaseFile, BaseStateFile, BoundFile, DriveFile, JointStateFile, LoopFile, LoopKindFile, Numbers,
+    SceneFile, SpringFile,
+};
+use super::tree::WORLD;
+use super::urdf::{direction, pose_of, read_text};
+use super::{JointKind, Model, read_urdf_with_density};
+
+/// How far the length of a quaternion may be from 1: the digits that files print.
+const QUATERNION_LENGTH: f64 = 1e-6;
+
+/// Reads a scene `.json` file and the URDF that it names.
+pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
+    let file: SceneFile = serde_json::from_str(&text).map_err(|e| json_error(path, &e))?;
+    let urdf = path.parent().unwrap_or(Path::new("")).join(&file.model);
+    let fault = |problem| SceneError::of(path, problem);
+    if !urdf.is_file() {
+        let at = urdf.display().to_string();
+        return Err(fault(SceneProblem::ModelMissing { model: file.model, path: at }));
+    }
+    let density = file.density.map(|d| positive("density", "kg/m^3", d)).transpose().map_err(fault)?;
+    let model = read_urdf_with_density(&urdf, density)?;
+    scene(file, &name_of(path), model).map_err(fault)
+}
+
+/// serde_json's own message with the place taken out of it.
+fn json_error(path: &Path, error: &serde_json::Error) -> SceneError {
+    let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let position = Position { line: place(error.line()), column: place(error.column()) };
+    let text = error.to_string();
+    let suffix = format!(" at line {} column {}", error.line(), error.column());
+    let detail = text.strip_suffix(&suffix).unwrap_or(&text).replace("unknown field", "unknown key");
+    SceneError::Json { file: path.display().to_string(), position, detail }
+}
+
+/// The folder of a `scene.json`, the stem of any other file.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let absolute = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    match absolute.parent().and_then(Path::file_name) {
+        Some(folder) if stem == "scene" => folder.to_string_lossy().into_owned(),
+        _ => stem,
+    }
+}
+
+fn scene(file: SceneFile, name: &str, model: Model) -> Result<Scene, SceneProblem> {
+    let names = Names::of(&model);
+    let base = base(file.base, file.initial.base.as_ref(), &model)?;
+    let mut initial = Scene::of_model(name, model.clone()).initial;
+    for (joint, state) in &file.initial.joints {
+        let index = names.joint(&format!("initial.joints.{joint}"), joint)?;
+        initial[index] = joint_initial(joint, model.joints[index].kind, state)?;
+    }
+    Ok(Scene {
+        loops: loops(&file.loops, &names)?,
+        springs: numbered(&file.springs, "springs", |key, spring| names.spring(key, spring))?,
+        drives: numbered(&file.drives, "drives", |key, drive| names.drive(key, drive))?,
+        bounds: numbered(&file.bounds, "bounds", bound)?,
+        duration: positive("duration", "s", file.duration)?,
+        steps: steps(&file.steps)?,
+        name: name.to_owned(),
+        description: file.description,
+        gravity: Vector3::from(file.gravity),
+        base,
+        initial,
+        model,
+    })
+}
+
+/// Resolves a list; `key` of an entry reads like `springs[0]`.
+fn numbered<T, U>(
+    list: &[T],
+    name: &str,
+    resolve: impl Fn(&str, &T) -> Result<U, SceneProblem>,
+) -> Result<Vec<U>, SceneProblem> {
+    list.iter().enumerate().map(|(i, entry)| resolve(&format!("{name}[{i}]"), entry)).collect()
+}
+
+fn steps(written: &[f64]) -> Result<Vec<f64>, SceneProblem> {
+    if written.is_empty() {
+        return Err(SceneProblem::NoSteps);
+    }
+    let mut steps = numbered(written, "steps", |key, step| positive(key, "s", *step))?;
+    steps.sort_by(|a, b| b.total_cmp(a));
+    steps.dedup();
+    Ok(steps)
+}
+
+fn base(kind: BaseFile, state: Option<&BaseStateFile>, model: &Model) -> Result<Base, SceneProblem> {
+    if kind == BaseFile::Fixed {
+        return if state.is_some() { Err(SceneProblem::FixedBaseMoves) } else { Ok(Base::Fixed) };
+    }
+    if model.links[0].name == WORLD && model.links[0].inertial.is_none() {
+        return Err(SceneProblem::WorldFloats);
+    }
+    let Some(state) = state else {
+        let zero = Vector3::zeros();
+        return Ok(Base::Floating { pose: Isometry3::identity(), linear_velocity: zero, angular_velocity: zero });
+    };
+    let [w, x, y, z] = state.quaternion_wxyz;
+    let quaternion = Quaternion::new(w, x, y, z);
+    if !((quaternion.norm() - 1.0).abs() <= QUATERNION_LENGTH) {
+        return Err(SceneProblem::NotUnitQuaternion { length: quaternion.norm() });
+    }
+    let rotation = UnitQuaternion::new_normalize(quaternion);
+    Ok(Base::Floating {
+        pose: Isometry3::from_parts(Translation3::from(state.position), rotation),
+        linear_velocity: Vector3::from(state.linear_velocity),
+        angular_velocity: Vector3::from(state.angular_velocity),
+    })
+}
+
+fn joint_initial(joint: &str, kind: JointKind, state: &JointStateFile) -> Result<JointInitial, SceneProblem> {
+    let expected = kind.degrees_of_freedom();
+    if expected == 0 {
+        let key = format!("initial.joints.{joint}");
+        return Err(SceneProblem::FixedJoint { key, joint: joint.to_owned() });
+    }
+    let values = |what: &str, written: &Option<Numbers>| {
+        let values = match written {
+            None => vec![0.0; expected],
+            Some(Numbers::One(value)) => vec![*value],
+            Some(Numbers::Many(values)) => values.clone(),
+        };
+        let (key, got) = (format!("initial.joints.{joint}.{what}"), values.len());
+        let problem = SceneProblem::CoordinateCount { key, joint: joint.to_owned(), kind: kind.name(), expected, got };
+        if got == expected { Ok(values) } else { Err(problem) }
+    };
+    Ok(JointInitial { position: values("position", &state.position)?, velocity: values("velocity", &state.velocity)? })
+}
+
+fn loops(files: &[LoopFile], names: &Names) -> Result<Vec<Loop>, SceneProblem> {
+    let mut used = HashSet::new();
+    let resolved = numbered(files, "loops", |key, file| names.closure(key, file))?;
+    for (i, closure) in resolved.iter().enumerate() {
+        if !used.insert(&closure.name) {
+            return Err(SceneProblem::DuplicateLoop { key: format!("loops[{i}]"), name: closure.name.clone() });
+        }
+    }
+    Ok(resolved)
+}
+
+fn bound(key: &str, file: &BoundFile) -> Result<Bound, SceneProblem> {
+    if file.max.is_none() && file.min.is_none() {
+        let why = "a bound needs \"max\", \"min\" or both";
+        return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "max", why });
+    }
+    Ok(Bound {
+        engine: file.engine.clone(),
+        step: positive(&format!("{key}.step"), "s", file.step)?,
+        duration: positive(&format!("{key}.duration"), "s", file.duration)?,
+        metric: file.metric.clone(),
+        max: file.max,
+        min: file.min,
+    })
+}
+
+/// The names of a model.
+struct Names<'a> {
+    model: &'a Model,
+    links: HashMap<&'a str, usize>,
+    joints: HashMap<&'a str, usize>,
+}
+
+impl<'a> Names<'a> {
+    fn of(model: &'a Model) -> Self {
+        let links = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
+        let joints = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+        Names { model, links, joints }
+    }
+
+    fn joint(&self, key: &str, joint: &str) -> Result<usize, SceneProblem> {
+        let all = || self.model.joints.iter().map(|j| j.name.clone()).collect();
+        let problem = || SceneProblem::UnknownJoint { key: key.to_owned(), joint: joint.to_owned(), joints: all() };
+        self.joints.get(joint).copied().ok_or_else(problem)
+    }
+
+    /// A joint with exactly one coordinate.
+    fn single(&self, key: &str, joint: &str) -> Result<usize, SceneProblem> {
+        let index = self.joint(key, joint)?;
+        let kind = self.model.joints[index].kind;
+        let problem =
+            || SceneProblem::NotOneCoordinate { key: key.to_owned(), joint: joint.to_owned(), kind: kind.name() };
+        if kind.degrees_of_freedom() == 1 { Ok(index) } else { Err(problem()) }
+    }
+
+    /// `None` is the ground: `world`, unless the model defines a link of that name.
+    fn link(&self, key: &str, link: &str) -> Result<Option<usize>, SceneProblem> {
+        match self.links.get(link) {
+            Some(&index) => Ok(Some(index)),
+            None if link == WORLD => Ok(None),
+            None => {
+                let links = self.model.links.iter().map(|l| l.name.clone()).collect();
+                Err(SceneProblem::UnknownLink { key: key.to_owned(), link: link.to_owned(), links })
+            }
+        }
+    }
+
+    fn closure(&self, key: &str, file: &LoopFile) -> Result<Loop, SceneProblem> {
+        let kind = match file.kind {
+            LoopKindFile::Revolute => LoopKind::Revolute,
+            LoopKindFile::Spherical => LoopKind::Spherical,
+            LoopKindFile::Fixed => LoopKind::Fixed,
+            LoopKindFile::Prismatic => LoopKind::Prismatic,
+        };
+        let has_axis = matches!(kind, LoopKind::Revolute | LoopKind::Prismatic);
+        let axis = match file.axis {
+            Some(axis) => direction(&Vector3::from(axis)).ok_or(SceneProblem::ZeroAxis { key: key.to_owned() })?,
+            None if has_axis => {
+                let why = "a revolute or prismatic loop needs its axis in the parent_origin frame";
+                return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "axis", why });
+            }
+            None => Vector3::x_axis(),
+        };
+        let parent = Place {
+            link: self.link(&format!("{key}.parent"), &file.parent)?,
+            origin: pose_of(file.parent_origin.xyz, file.parent_origin.rpy),
+        };
+        let child = Place {
+            link: self.link(&format!("{key}.child"), &file.child)?,
+            origin: pose_of(file.child_origin.xyz, file.child_origin.rpy),
+        };
+        if parent.link == child.link {
+            return Err(SceneProblem::SameLink { key: key.to_owned(), link: file.parent.clone() });
+        }
+        Ok(Loop { name: file.name.clone(), kind, axis, parent, child })
+    }
+
+    fn spring(&self, key: &str, file: &SpringFile) -> Result<Spring, SceneProblem> {
+        let extra = |present: bool, extra, with| {
+            let problem = SceneProblem::ExtraKey { key: key.to_owned(), extra, with };
+            if present { Err(problem) } else { Ok(()) }
+        };
+        let stiffness = not_negative(&format!("{key}.stiffness"), "N/m or N m/rad", file.stiffness)?;
+        let damping = not_negative(&format!("{key}.damping"), "N s/m or N m s/rad", file.damping)?;
+        if let Some(joint) = &file.joint {
+            extra(file.from.is_some(), "from", "joint")?;
+            extra(file.to.is_some(), "to", "joint")?;
+            extra(file.rest_length.is_some(), "rest_length", "joint")?;
+            let joint = self.single(&format!("{key}.joint"), joint)?;
+            return Ok(Spring::Joint { joint, stiffness, damping, rest: file.rest.unwrap_or(0.0) });
+        }
+        extra(file.rest.is_some(), "rest", "from and to")?;
+        let missing = |missing| {
+            let why = "a spring needs \"joint\", or \"from\" and \"to\"";
+            SceneProblem::MissingKey { key: key.to_owned(), missing, why }
+        };
+        let from = self.anchor(&format!("{key}.from"), file.from.as_ref().ok_or_else(|| missing("from"))?)?;
+        let to_file = file.to.as_ref().ok_or_else(|| missing("to"))?;
+        let to = self.anchor(&format!("{key}.to"), to_file)?;
+        if from.link == to.link {
+            return Err(SceneProblem::SameLink { key: key.to_owned(), link: to_file.link.clone() });
+        }
+        let rest_length = not_negative(&format!("{key}.rest_length"), "m", file.rest_length.unwrap_or(0.0))?;
+        Ok(Spring::Points { from, to, stiffness, damping, rest_length })
+    }
+
+    fn anchor(&self, key: &str, file: &AnchorFile) -> Result<Anchor, SceneProblem> {
+        Ok(Anchor { link: self.link(&format!("{key}.link"), &file.link)?, point: Vector3::from(file.point) })
+    }
+
+    fn drive(&self, key: &str, file: &DriveFile) -> Result<Drive, SceneProblem> {
+        let joint = self.single(&format!("{key}.joint"), &file.joint)?;
+        let frequency_hz = match file.frequency_hz {
+            Some(frequency) => not_negative(&format!("{key}.frequency_hz"), "Hz", frequency)?,
+            None if file.amplitude != 0.0 => {
+                let why = "an amplitude needs a frequency in Hz";
+                return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "frequency_hz", why });
+            }
+            None => 0.0,
+        };
+        Ok(Drive { joint, effort: file.effort, amplitude: file.amplitude, frequency_hz, phase: file.phase })
+    }
+}

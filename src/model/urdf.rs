@@ -1,0 +1,192 @@
+//! Reads a URDF file into a [`Model`]: form by `document`, values by urdf-rs, then everything that a parser does not
+//! check.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
+
+use super::document::{self, Document};
+use super::error::{ModelError, Problem};
+use super::tree::{self, Edge, WORLD};
+use super::{Collision, Inertial, Joint, JointKind, Link, Mimic, Model, Shape, inertia, shapes};
+
+/// How far the length of an axis may be from 1 without a remark: files print few digits.
+const AXIS_LENGTH: f64 = 1e-3;
+
+/// Reads a URDF file. Links without `<inertial>` have no mass.
+///
+/// # Errors
+/// Any of [`Problem`]; the message names file, element, value and remedy.
+pub fn read_urdf(path: impl AsRef<Path>) -> Result<Model, ModelError> {
+    read_urdf_with_density(path, None)
+}
+
+/// Reads a URDF file; links without `<inertial>` get mass and inertia from their collision shapes, filled with
+/// `density` (kg/m^3).
+///
+/// # Errors
+/// Any of [`Problem`]; the message names file, element, value and remedy.
+pub fn read_urdf_with_density(path: impl AsRef<Path>, density: Option<f64>) -> Result<Model, ModelError> {
+    let path = path.as_ref();
+    let file = path.display().to_string();
+    let text = read_text(path).map_err(|problem| ModelError::of(&file, problem))?;
+    let document = document::read(&file, &text)?;
+    let robot = urdf_rs::read_from_string(&document.essence)
+        .map_err(|e| ModelError::of(&file, Problem::Urdf { detail: e.to_string() }))?;
+    let density = density.map(|density| (density, path.parent().unwrap_or(Path::new(""))));
+    model(&robot, document, density).map_err(|problem| ModelError::of(&file, problem))
+}
+
+/// A whole text file.
+pub(super) fn read_text(path: &Path) -> Result<String, Problem> {
+    std::fs::read_to_string(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::NotFound => Problem::Missing,
+        std::io::ErrorKind::InvalidData => Problem::NotText,
+        _ => Problem::Unreadable(e),
+    })
+}
+
+fn model(robot: &urdf_rs::Robot, document: Document, density: Option<(f64, &Path)>) -> Result<Model, Problem> {
+    let names: Vec<&str> = robot.links.iter().map(|l| l.name.as_str()).collect();
+    let edges: Vec<Edge> =
+        robot.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link }).collect();
+    let order = tree::order(&names, &edges)?;
+    let Document { has_inertial, ignored, mut remarks, .. } = document;
+
+    // Links in the file's order first, so that remarks come in the file's order too.
+    let mut read = Vec::with_capacity(robot.links.len());
+    for (source, has_inertial) in robot.links.iter().zip(has_inertial) {
+        read.push(Some(link(source, has_inertial, density, &mut remarks)?));
+    }
+    let mut links = Vec::with_capacity(robot.links.len() + 1);
+    match order.root {
+        Some(root) => links.extend(read[root].take()),
+        None => {
+            links.push(Link { name: WORLD.to_owned(), inertial: None, collisions: Vec::new() });
+            remarks.insert(0, format!("parent link '{WORLD}' is not defined; it is taken as the ground"));
+        }
+    }
+    links.extend(order.children.iter().filter_map(|l| read[*l].take()));
+
+    // A joint carries the link after its own place, so a link's place tells where its own joint went.
+    let mut place = vec![0; robot.links.len()];
+    order.children.iter().enumerate().for_each(|(k, l)| place[*l] = k + 1);
+    let by_name: std::collections::HashMap<&str, usize> =
+        names.iter().enumerate().map(|(l, n)| (*n, place[l])).collect();
+    let mut joint_place = vec![0; robot.joints.len()];
+    order.joints.iter().enumerate().for_each(|(k, j)| joint_place[*j] = k);
+    let joint_names: Vec<String> = robot.joints.iter().map(|j| j.name.clone()).collect();
+    let joint_by_name: std::collections::HashMap<&str, usize> =
+        joint_names.iter().enumerate().map(|(j, n)| (n.as_str(), joint_place[j])).collect();
+
+    let mut joints: Vec<Option<Joint>> = vec![None; robot.joints.len()];
+    for (j, source) in robot.joints.iter().enumerate() {
+        let mimic = match &source.mimic {
+            None => None,
+            Some(m) if m.joint == source.name => return Err(Problem::MimicsItself { joint: source.name.clone() }),
+            Some(m) => Some(Mimic {
+                source: *joint_by_name.get(m.joint.as_str()).ok_or_else(|| Problem::UnknownMimic {
+                    joint: source.name.clone(),
+                    source_joint: m.joint.clone(),
+                    joints: joint_names.clone(),
+                })?,
+                multiplier: m.multiplier.unwrap_or(1.0),
+                offset: m.offset.unwrap_or(0.0),
+            }),
+        };
+        // The ground has no place of its own in the file; it is link 0.
+        let parent = by_name.get(source.parent.link.as_str()).copied().unwrap_or(0);
+        joints[joint_place[j]] = Some(joint(source, parent, joint_place[j] + 1, mimic, &mut remarks)?);
+    }
+    Ok(Model { name: robot.name.clone(), links, joints: joints.into_iter().flatten().collect(), ignored, remarks })
+}
+
+fn link(
+    source: &urdf_rs::Link,
+    has_inertial: bool,
+    density: Option<(f64, &Path)>,
+    remarks: &mut Vec<String>,
+) -> Result<Link, Problem> {
+    let collisions: Vec<Collision> =
+        source.collision.iter().map(|c| Collision { origin: pose(&c.origin), shape: shape(&c.geometry) }).collect();
+    let inertial: Option<Inertial> = match density {
+        _ if has_inertial => {
+            let urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = source.inertial.inertia;
+            let tensor = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
+            let origin = pose(&source.inertial.origin);
+            inertia::inertial(&source.name, source.inertial.mass.value, &origin, tensor, remarks)?
+        }
+        Some((density, folder)) => shapes::mass_of(&source.name, &collisions, density, folder, remarks)?,
+        None => None,
+    };
+    Ok(Link { name: source.name.clone(), inertial, collisions })
+}
+
+fn joint(
+    source: &urdf_rs::Joint,
+    parent: usize,
+    child: usize,
+    mimic: Option<Mimic>,
+    remarks: &mut Vec<String>,
+) -> Result<Joint, Problem> {
+    let name = source.name.clone();
+    let kind = match source.joint_type {
+        urdf_rs::JointType::Fixed => JointKind::Fixed,
+        urdf_rs::JointType::Revolute => JointKind::Revolute,
+        urdf_rs::JointType::Continuous => JointKind::Continuous,
+        urdf_rs::JointType::Prismatic => JointKind::Prismatic,
+        urdf_rs::JointType::Planar => JointKind::Planar,
+        urdf_rs::JointType::Spherical => JointKind::Spherical,
+        urdf_rs::JointType::Floating => JointKind::Floating,
+    };
+    let axis = if kind.has_axis() {
+        let written = Vector3::from(source.axis.xyz.0);
+        let axis = direction(&written).ok_or_else(|| Problem::ZeroAxis { joint: name.clone() })?;
+        if !((written.norm() - 1.0).abs() <= AXIS_LENGTH) {
+            remarks.push(format!(
+                "joint '{name}': axis {} {} {} has length {:.6}; it is normalised",
+                written.x,
+                written.y,
+                written.z,
+                written.norm()
+            ));
+        }
+        axis
+    } else {
+        Vector3::x_axis()
+    };
+    let dynamics = source.dynamics.clone().unwrap_or_default();
+    if dynamics.damping < 0.0 {
+        return Err(Problem::NegativeDamping { joint: name, value: dynamics.damping });
+    }
+    let urdf_rs::Dynamics { damping, friction } = dynamics;
+    Ok(Joint { name, kind, parent, child, origin: pose(&source.origin), axis, damping, friction, mimic })
+}
+
+/// The direction of a vector of any length but zero, without overflow or underflow.
+pub(super) fn direction(written: &Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
+    let largest = written.amax();
+    (largest > 0.0).then(|| Unit::new_normalize(written / largest))
+}
+
+/// A URDF origin: the translation, and the rotation `Rz(yaw) Ry(pitch) Rx(roll)`.
+pub(super) fn pose_of(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::from(xyz), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+}
+
+fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
+    pose_of(origin.xyz.0, origin.rpy.0)
+}
+
+fn shape(geometry: &urdf_rs::Geometry) -> Shape {
+    match geometry {
+        urdf_rs::Geometry::Box { size } => Shape::Box { half_extents: Vector3::from(size.0) / 2.0 },
+        urdf_rs::Geometry::Cylinder { radius, length } => Shape::Cylinder { radius: *radius, length: *length },
+        urdf_rs::Geometry::Capsule { radius, length } => Shape::Capsule { radius: *radius, length: *length },
+        urdf_rs::Geometry::Sphere { radius } => Shape::Sphere { radius: *radius },
+        urdf_rs::Geometry::Mesh { filename, scale } => Shape::Mesh {
+            filename: filename.clone(),
+            scale: scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(s.0)),
+        },
+    }
+}

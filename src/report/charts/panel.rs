@@ -1,0 +1,172 @@
+//! A panel: axes with lines and markers in them.
+
+use plotters::prelude::*;
+
+use super::axis::Axis;
+use super::canvas::{Area, ChartError};
+use super::style::{self, FAINT, GRID, INK, Look, Marker, at, px};
+
+/// A panel that can be drawn into.
+pub struct Panel<'a, 'b> {
+    context: ChartContext<'a, BitMapBackend<'b>, Cartesian2d<Axis, Axis>>,
+    x: Axis,
+    y: Axis,
+}
+
+/// Words around a panel.
+#[derive(Clone, Copy, Debug)]
+pub struct Words<'a> {
+    pub heading: &'a str,
+    pub x: &'a str,
+    /// The first panel of a row has one; the others repeat its axis without words.
+    pub y: Option<&'a str>,
+}
+
+impl<'a, 'b> Panel<'a, 'b> {
+    pub fn new(area: &'a Area<'b>, x: Axis, y: Axis, words: Words) -> Result<Panel<'a, 'b>, ChartError> {
+        let mut builder = ChartBuilder::on(area);
+        builder.margin_right(px(16)).margin_left(px(8)).margin_bottom(px(6));
+        builder.x_label_area_size(px(64)).y_label_area_size(px(if words.y.is_some() { 108 } else { 66 }));
+        builder.margin_top(px(38));
+        let mut context = builder.build_cartesian_2d(x, y)?;
+        context
+            .configure_mesh()
+            .x_labels(6)
+            .y_labels(9)
+            .x_desc(words.x)
+            .y_desc(words.y.unwrap_or(""))
+            .label_style(style::font(style::TICK, INK))
+            .axis_desc_style(style::font(style::LABEL, INK))
+            .axis_style(INK.stroke_width(px(1)))
+            .bold_line_style(GRID.stroke_width(px(1)))
+            .light_line_style(FAINT.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
+            .draw()?;
+        let left = context.plotting_area().get_pixel_range().0.start - area.get_pixel_range().0.start;
+        area.draw(&Text::new(words.heading.to_string(), (left, at(8)), style::bold(style::HEADING, INK)))?;
+        Ok(Panel { context, x, y })
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.clamped(x), self.y.clamped(y))
+    }
+
+    /// A line through the points; what lies outside the axes is drawn on their edge.
+    pub fn line(&self, points: &[(f64, f64)], look: Look, width: u32, dashed: bool) -> Result<(), ChartError> {
+        let area = self.context.plotting_area();
+        let pixels: Vec<(i32, i32)> = points.iter().map(|p| area.map_coordinate(&self.place(*p))).collect();
+        let canvas = area.strip_coord_spec();
+        let (left, top) = {
+            let range = area.get_pixel_range();
+            (range.0.start, range.1.start)
+        };
+        let local: Vec<(i32, i32)> = pixels.iter().map(|(x, y)| (x - left, y - top)).collect();
+        let stroke = look.colour.stroke_width(px(width));
+        if dashed {
+            for dash in dashes(&local) {
+                canvas.draw(&PathElement::new(dash, stroke))?;
+            }
+        } else {
+            canvas.draw(&PathElement::new(local, stroke))?;
+        }
+        Ok(())
+    }
+
+    /// The engine's marker at a point.
+    pub fn mark(&self, point: (f64, f64), look: Look, hollow: bool) -> Result<(), ChartError> {
+        let (centre, canvas) = self.local(point);
+        draw_marker(&canvas, centre, look, hollow)
+    }
+
+    /// A cross: the run ends here.
+    pub fn cross(&self, point: (f64, f64), look: Look) -> Result<(), ChartError> {
+        let ((x, y), canvas) = self.local(point);
+        let r = at(9);
+        for (colour, width) in [(WHITE, 7), (look.colour, 4)] {
+            let stroke = colour.stroke_width(px(width));
+            canvas.draw(&PathElement::new(vec![(x - r, y - r), (x + r, y + r)], stroke))?;
+            canvas.draw(&PathElement::new(vec![(x - r, y + r), (x + r, y - r)], stroke))?;
+        }
+        Ok(())
+    }
+
+    /// Small words beside a point, to its right or, near the right edge, to its left.
+    pub fn label(&self, point: (f64, f64), words: &str, look: Look) -> Result<(), ChartError> {
+        let ((x, y), canvas) = self.local(point);
+        let style = style::font(style::NOTE, look.colour);
+        let (width, height) = canvas.estimate_text_size(words, &style)?;
+        let (across, down) = canvas.dim_in_pixel();
+        let fits_right = x + at(12) + (width as i32) < across as i32;
+        let left = if fits_right { x + at(12) } else { x - at(12) - width as i32 };
+        let top = (y - height as i32 / 2).clamp(0, down as i32 - height as i32);
+        canvas.draw(&Text::new(words.to_string(), (left, top), style))?;
+        Ok(())
+    }
+
+    /// A point in pixels of the plotting area.
+    fn local(&self, point: (f64, f64)) -> ((i32, i32), Area<'b>) {
+        let area = self.context.plotting_area();
+        let (x, y) = area.map_coordinate(&self.place(point));
+        let range = area.get_pixel_range();
+        ((x - range.0.start, y - range.1.start), area.strip_coord_spec())
+    }
+}
+
+/// A marker with a white rim, or white with a coloured rim.
+pub fn draw_marker(area: &Area, (x, y): (i32, i32), look: Look, hollow: bool) -> Result<(), ChartError> {
+    let layers: &[(i32, RGBColor)] =
+        if hollow { &[(8, look.colour), (5, WHITE)] } else { &[(10, WHITE), (8, look.colour)] };
+    for (radius, colour) in layers {
+        let r = radius * style::SCALE as i32;
+        let fill = colour.filled();
+        match look.marker {
+            Marker::Circle => area.draw(&Circle::new((x, y), r, fill))?,
+            Marker::Square => {
+                area.draw(&Rectangle::new([(x - r * 9 / 10, y - r * 9 / 10), (x + r * 9 / 10, y + r * 9 / 10)], fill))?
+            }
+            Marker::Triangle => area
+                .draw(&Polygon::new(vec![(x, y - r * 5 / 4), (x + r * 6 / 5, y + r), (x - r * 6 / 5, y + r)], fill))?,
+            Marker::TriangleDown => area
+                .draw(&Polygon::new(vec![(x, y + r * 5 / 4), (x + r * 6 / 5, y - r), (x - r * 6 / 5, y - r)], fill))?,
+            Marker::Diamond => {
+                let r = r * 5 / 4;
+                area.draw(&Polygon::new(vec![(x, y - r), (x + r, y), (x, y + r), (x - r, y)], fill))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Cuts a path into dashes of 11 pixels with gaps of 7.
+fn dashes(path: &[(i32, i32)]) -> Vec<Vec<(i32, i32)>> {
+    let (dash, gap) = (f64::from(at(11)), f64::from(at(7)));
+    let mut pieces: Vec<Vec<(i32, i32)>> = Vec::new();
+    let (mut drawing, mut left) = (true, dash);
+    let mut piece: Vec<(i32, i32)> = path.first().copied().into_iter().collect();
+    for ends in path.windows(2) {
+        let (a, b) = ((f64::from(ends[0].0), f64::from(ends[0].1)), (f64::from(ends[1].0), f64::from(ends[1].1)));
+        let length = (b.0 - a.0).hypot(b.1 - a.1);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let t = done / length;
+            let cut = ((a.0 + t * (b.0 - a.0)).round() as i32, (a.1 + t * (b.1 - a.1)).round() as i32);
+            if drawing {
+                piece.push(cut);
+                pieces.push(std::mem::take(&mut piece));
+            } else {
+                piece = vec![cut];
+            }
+            drawing = !drawing;
+            left = if drawing { dash } else { gap };
+        }
+        left -= length - done;
+        if drawing {
+            piece.push(ends[1]);
+        }
+    }
+    if drawing && piece.len() > 1 {
+        pieces.push(piece);
+    }
+    pieces
+}

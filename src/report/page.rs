@@ -1,0 +1,146 @@
+//! `index.html`: one file without links to others, readable from a disk and without a network.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::number::{duration, plain, written};
+use super::record::{Report, SceneRecord};
+use super::{finding, table};
+
+/// A chart to be put into the page.
+#[derive(Debug)]
+pub struct Picture {
+    pub caption: &'static str,
+    pub png: Vec<u8>,
+}
+
+/// The page of a report: the finding, the pictures, the table, what was simulated and ignored, machine, versions, command.
+pub fn html(report: &Report, pictures: &[Picture]) -> String {
+    let name = &report.scene.name;
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (name) " – rattlebench" }
+                style { (PreEscaped(include_str!("page.css"))) }
+            }
+            body {
+                main {
+                    h1 { (name) }
+                    @if !report.scene.description.is_empty() { p.description { (report.scene.description) } }
+                    @if report.interrupted {
+                        p.warning { "The comparison was interrupted: runs or their timings are missing." }
+                    }
+                    p.finding { (finding::sentence(report)) }
+                    @for picture in pictures {
+                        figure {
+                            img alt=(picture.caption) src={ "data:image/png;base64," (STANDARD.encode(&picture.png)) };
+                            figcaption { (picture.caption) "." }
+                        }
+                    }
+                    (runs(report))
+                    (scene(&report.scene))
+                    (environment(report))
+                }
+            }
+        }
+    }
+    .into_string()
+        + "\n"
+}
+
+fn runs(report: &Report) -> Markup {
+    let columns = table::columns(report);
+    let class = |number: bool| if number { "number" } else { "word" };
+    let notes: Vec<(String, &str)> = report
+        .runs
+        .iter()
+        .filter_map(|r| Some((format!("{} at {}", r.engine, duration(r.step_s)), r.outcome_detail.as_deref()?)))
+        .collect();
+    html! {
+        h2 { "Runs" }
+        div.wide {
+            table {
+                thead {
+                    tr { @for c in &columns { th class=(class(c.number)) { (c.heading) br; small { (c.unit) } } } }
+                }
+                tbody {
+                    @for (i, run) in report.runs.iter().enumerate() {
+                        tr.first[i > 0 && report.runs[i - 1].engine != run.engine] {
+                            @for c in &columns { td class=(class(c.number)) { ((c.cell)(run)) } }
+                        }
+                    }
+                }
+            }
+        }
+        @if !notes.is_empty() {
+            ul.notes { @for (run, detail) in &notes { li { strong { (run) } ": " (detail) } } }
+        }
+        p.small {
+            "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
+             energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
+             the time of the velocities, for engines that return the two at different times. Joint error: the largest \
+             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
+             grows over the run. CPU time: of the stepping alone, on one thread, median of the repeats; long runs are timed \
+             over their first part."
+        }
+    }
+}
+
+fn scene(scene: &SceneRecord) -> Markup {
+    let [x, y, z] = scene.gravity;
+    html! {
+        h2 { "What was simulated" }
+        dl {
+            dt { "Moving bodies" } dd { (scene.bodies) ", " (plain(scene.mass_kg, 4)) " kg together" }
+            dt { "Joints" } dd { (scene.joints) " with " (scene.degrees_of_freedom) " degrees of freedom" }
+            @if scene.loops > 0 { dt { "Loops" } dd { (scene.loops) } }
+            dt { "Gravity" } dd { "(" (x) ", " (y) ", " (z) ") m/s²" }
+            dt { "Energy scale" } dd { (written(scene.energy_scale_j)) " J" }
+            @if !scene.needs.is_empty() { dt { "Needs" } dd { (scene.needs.join(", ")) } }
+        }
+        @if !scene.remarks.is_empty() {
+            h2 { "Remarks" }
+            ul { @for remark in &scene.remarks { li { (remark) } } }
+        }
+        h2 { "What was ignored" }
+        @if scene.ignored.is_empty() {
+            p { "Nothing: all that the files hold was simulated." }
+        } @else {
+            table {
+                thead { tr { th.word { "element" } th.word { "what" } th.word { "as read" } } }
+                tbody {
+                    @for i in &scene.ignored {
+                        tr { td.word { (i.element) } td.word { (i.what) } td.word { (i.value) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn environment(report: &Report) -> Markup {
+    let (machine, versions) = (&report.machine, &report.versions);
+    html! {
+        h2 { "Machine" }
+        dl {
+            @if let Some(cpu) = &machine.cpu { dt { "Processor" } dd { (cpu) } }
+            @if let Some(cores) = machine.logical_cores { dt { "Logical cores" } dd { (cores) } }
+            dt { "System" } dd { (machine.os) ", " (machine.architecture) }
+        }
+        h2 { "Versions" }
+        dl {
+            dt { "rattlebench" } dd { (versions.rattlebench) }
+            @for (name, version) in &versions.crates { dt { (name) } dd { (version) } }
+            dt { "rustc" } dd { (versions.rustc) ", " (versions.profile) " build" }
+        }
+        @if versions.profile != "release" {
+            p.warning { "This was not a release build: its timings say little about any engine." }
+        }
+        h2 { "Command" }
+        pre { code { (report.command) } }
+    }
+}

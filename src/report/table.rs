@@ -1,0 +1,122 @@
+//! The table of runs, for the terminal and the page.
+
+use super::number::{duration, plain, short};
+use super::record::{Report, Run};
+
+/// A column: its heading, its unit or remark, and what stands in it.
+pub struct Column {
+    pub heading: &'static str,
+    pub unit: &'static str,
+    /// Right-aligned.
+    pub number: bool,
+    pub cell: fn(&Run) -> String,
+}
+
+const ABSENT: &str = "–";
+
+fn or_absent(text: Option<String>) -> String {
+    text.unwrap_or_else(|| ABSENT.to_string())
+}
+
+const COLUMNS: [Column; 11] = [
+    Column { heading: "engine", unit: "", number: false, cell: |r| r.engine.clone() },
+    Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
+    Column { heading: "outcome", unit: "", number: false, cell: outcome },
+    Column {
+        heading: "energy error",
+        unit: "of scale, max",
+        number: true,
+        cell: |r| or_absent(r.energy.as_ref().map(|e| short(e.max_relative_error))),
+    },
+    Column {
+        heading: "corrected",
+        unit: "time level",
+        number: true,
+        cell: |r| {
+            or_absent(
+                r.energy.as_ref().and_then(|e| e.time_level_corrected.as_ref()).map(|e| short(e.max_relative_error)),
+            )
+        },
+    },
+    Column {
+        heading: "energy",
+        unit: "verdict",
+        number: false,
+        cell: |r| or_absent(r.energy.as_ref().and_then(|e| e.verdict).map(|v| v.words().to_string())),
+    },
+    Column {
+        heading: "joint error",
+        unit: "m or rad",
+        number: true,
+        cell: |r| or_absent(r.constraint.as_ref().map(|c| short(c.max_position))),
+    },
+    Column {
+        heading: "joint velocity",
+        unit: "m/s or rad/s",
+        number: true,
+        cell: |r| or_absent(r.constraint.as_ref().map(|c| short(c.max_velocity))),
+    },
+    Column {
+        heading: "momentum error",
+        unit: "of scale, max",
+        number: true,
+        cell: |r| or_absent(r.momentum.as_ref().map(|m| short(m.max_relative_error))),
+    },
+    Column {
+        heading: "CPU time",
+        unit: "µs a step",
+        number: true,
+        cell: |r| or_absent(r.time.as_ref().map(|t| plain(t.us_per_step, 3))),
+    },
+    Column {
+        heading: "CPU time",
+        unit: "s a simulated s",
+        number: true,
+        cell: |r| or_absent(r.time.as_ref().map(|t| short(t.s_per_simulated_s))),
+    },
+];
+
+fn outcome(run: &Run) -> String {
+    match run.ended_at_s {
+        Some(at) if at > 0.0 => format!("{} at {} s", run.outcome.words(), plain(at, 4)),
+        _ => run.outcome.words().to_string(),
+    }
+}
+
+/// The columns in which at least one run of the report has something to say.
+pub fn columns(report: &Report) -> Vec<&'static Column> {
+    COLUMNS.iter().filter(|c| report.runs.iter().any(|run| (c.cell)(run) != ABSENT)).collect()
+}
+
+/// The table as aligned text, one line a run, with a blank line between engines.
+pub fn text(report: &Report) -> String {
+    let columns = columns(report);
+    let cells: Vec<Vec<String>> =
+        report.runs.iter().map(|run| columns.iter().map(|c| (c.cell)(run)).collect()).collect();
+    let widths: Vec<usize> = columns
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let head = c.heading.chars().count().max(c.unit.chars().count());
+            cells.iter().map(|row| row[i].chars().count()).fold(head, usize::max)
+        })
+        .collect();
+    let line = |cells: Vec<&str>| {
+        let mut text = String::new();
+        for ((cell, width), column) in cells.into_iter().zip(&widths).zip(&columns) {
+            let padded = if column.number { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
+            text += &padded;
+            text += "  ";
+        }
+        text.trim_end().to_string() + "\n"
+    };
+    let mut text = line(columns.iter().map(|c| c.heading).collect());
+    text += &line(columns.iter().map(|c| c.unit).collect());
+    for (i, row) in cells.iter().enumerate() {
+        if i > 0 && report.runs[i].engine != report.runs[i - 1].engine {
+            text += "\n";
+        }
+        text += &line(row.iter().map(String::as_str).collect());
+    }
+    text
+}

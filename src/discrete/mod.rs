@@ -8,6 +8,7 @@ pub mod methods;
 pub mod quadrature;
 pub mod constrained;
 pub mod extended;
+pub mod figures;
 pub mod flow;
 pub mod order;
 pub mod problems;

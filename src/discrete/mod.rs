@@ -3,6 +3,7 @@
 pub mod constrained;
 pub mod constraint;
 pub mod extended;
+pub mod figures;
 pub mod flow;
 pub mod force;
 pub mod lagrangian;

@@ -1,16 +1,16 @@
 //! Discrete mechanics on linear spaces (Marsden and West 2001, parts 1 to 4).
 
+pub mod constrained;
 pub mod constraint;
+pub mod extended;
+pub mod flow;
 pub mod force;
 pub mod lagrangian;
 pub mod maps;
 pub mod methods;
-pub mod quadrature;
-pub mod constrained;
-pub mod extended;
-pub mod flow;
 pub mod order;
 pub mod problems;
+pub mod quadrature;
 pub mod solve;
 pub mod stencil;
 pub mod structure;

@@ -145,20 +145,17 @@ impl fmt::Display for Inspection {
         }
         writeln!(f, "base     {}, gravity ({}) m/s^2", self.base, spaced(&self.gravity))?;
         writeln!(f, "run      {} s, steps {} s", self.duration_s, spaced(&self.steps_s))?;
-        writeln!(
-            f,
-            "size     {} links, {} joints, {} moving bodies, {} welded links, {} degrees of freedom, {} kg",
-            self.links.len(),
-            self.joints.len(),
-            self.moving_bodies,
-            self.welded_links,
-            self.degrees_of_freedom,
-            rounded(self.total_mass_kg)
-        )?;
-        let extras =
-            [(self.loops, "loops"), (self.springs, "springs"), (self.drives, "drives"), (self.bounds, "bounds")];
-        let extras: Vec<_> =
-            extras.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let size = [
+            counted(self.links.len(), "link"),
+            counted(self.joints.len(), "joint"),
+            format!("{} moving", counted(self.moving_bodies, "body")),
+            format!("{} welded", self.welded_links),
+            counted(self.degrees_of_freedom, "degree of freedom"),
+            format!("{} kg", rounded(self.total_mass_kg)),
+        ];
+        writeln!(f, "size     {}", size.join(", "))?;
+        let extras = [(self.loops, "loop"), (self.springs, "spring"), (self.drives, "drive"), (self.bounds, "bound")];
+        let extras: Vec<_> = extras.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(n, what)).collect();
         if !extras.is_empty() {
             writeln!(f, "also     {}", extras.join(", "))?;
         }
@@ -217,6 +214,15 @@ impl Inspection {
             writeln!(f)?;
         }
         Ok(())
+    }
+}
+
+fn counted(n: usize, noun: &str) -> String {
+    match (n, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "body") => format!("{n} bodies"),
+        (_, "degree of freedom") => format!("{n} degrees of freedom"),
+        _ => format!("{n} {noun}s"),
     }
 }
 

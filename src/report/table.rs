@@ -18,10 +18,7 @@ fn or_absent(text: Option<String>) -> String {
     text.unwrap_or_else(|| ABSENT.to_string())
 }
 
-const ENGINE: Column = Column { heading: "engine", unit: "", number: false, cell: |r| r.engine.clone() };
-
-const COLUMNS: [Column; 11] = [
-    ENGINE,
+const COLUMNS: [Column; 10] = [
     Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
     Column { heading: "outcome", unit: "", number: false, cell: outcome },
     Column {
@@ -85,14 +82,14 @@ fn outcome(run: &Run) -> String {
     }
 }
 
-/// The columns in which at least one run of the report has something to say.
+/// The columns below the engine's name in which at least one run of the report has something to say.
 pub fn columns(report: &Report) -> Vec<&'static Column> {
     COLUMNS.iter().filter(|c| report.runs.iter().any(|run| (c.cell)(run) != ABSENT)).collect()
 }
 
 /// The table as aligned text: a line for each engine and, indented below, one for each of its runs.
 pub fn text(report: &Report) -> String {
-    let columns: Vec<&Column> = columns(report).into_iter().filter(|c| c.heading != ENGINE.heading).collect();
+    let columns = columns(report);
     let cells: Vec<Vec<String>> =
         report.runs.iter().map(|run| columns.iter().map(|c| (c.cell)(run)).collect()).collect();
     let widths: Vec<usize> = columns

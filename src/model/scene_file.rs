@@ -48,7 +48,7 @@ pub struct SceneFile {
     pub duration: f64,
     /// Step sizes that a comparison runs, s.
     #[serde(default = "default_steps")]
-    #[schemars(length(min = 1), inner(extend("exclusiveMinimum" = 0)))]
+    #[schemars(length(min = 1))]
     pub steps: Vec<f64>,
     /// What `check` holds runs of this scene to.
     #[serde(default)]

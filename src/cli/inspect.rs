@@ -39,6 +39,9 @@ struct Inspection {
     description: String,
     robot: String,
     base: &'static str,
+    /// Of the root link's frame, where the base floats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    initial_base: Option<BaseRow>,
     gravity: [f64; 3],
     duration_s: f64,
     steps_s: Vec<f64>,
@@ -58,6 +61,14 @@ struct Inspection {
     /// Why the scene cannot be simulated as it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     obstacle: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct BaseRow {
+    position_m: [f64; 3],
+    quaternion_wxyz: [f64; 4],
+    linear_velocity: [f64; 3],
+    angular_velocity: [f64; 3],
 }
 
 #[derive(Debug, Serialize)]
@@ -89,7 +100,19 @@ struct JointRow {
 impl Inspection {
     fn of(scene: &Scene) -> Self {
         let model = &scene.model;
-        let floating = matches!(scene.base, Base::Floating { .. });
+        let initial_base = match &scene.base {
+            Base::Fixed => None,
+            Base::Floating { pose, linear_velocity, angular_velocity } => {
+                let q = pose.rotation;
+                Some(BaseRow {
+                    position_m: pose.translation.vector.into(),
+                    quaternion_wxyz: [q.w, q.i, q.j, q.k],
+                    linear_velocity: (*linear_velocity).into(),
+                    angular_velocity: (*angular_velocity).into(),
+                })
+            }
+        };
+        let floating = initial_base.is_some();
         let welded_links = model.joints.iter().filter(|j| j.kind == JointKind::Fixed).count();
         let link = |link: &crate::model::Link| LinkRow {
             name: link.name.clone(),
@@ -116,6 +139,7 @@ impl Inspection {
             description: scene.description.clone(),
             robot: model.name.clone(),
             base: if floating { "floating" } else { "fixed" },
+            initial_base,
             gravity: scene.gravity.into(),
             duration_s: scene.duration,
             steps_s: scene.steps.clone(),
@@ -144,21 +168,28 @@ impl fmt::Display for Inspection {
             writeln!(f, "         {}", self.description)?;
         }
         writeln!(f, "base     {}, gravity ({}) m/s^2", self.base, spaced(&self.gravity))?;
+        if let Some(base) = &self.initial_base {
+            writeln!(
+                f,
+                "         from ({}) m, attitude ({}) wxyz, velocity ({}) m/s, ({}) rad/s",
+                spaced(&base.position_m),
+                spaced(&base.quaternion_wxyz),
+                spaced(&base.linear_velocity),
+                spaced(&base.angular_velocity)
+            )?;
+        }
         writeln!(f, "run      {} s, steps {} s", self.duration_s, spaced(&self.steps_s))?;
-        writeln!(
-            f,
-            "size     {} links, {} joints, {} moving bodies, {} welded links, {} degrees of freedom, {} kg",
-            self.links.len(),
-            self.joints.len(),
-            self.moving_bodies,
-            self.welded_links,
-            self.degrees_of_freedom,
-            rounded(self.total_mass_kg)
-        )?;
-        let extras =
-            [(self.loops, "loops"), (self.springs, "springs"), (self.drives, "drives"), (self.bounds, "bounds")];
-        let extras: Vec<_> =
-            extras.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let size = [
+            counted(self.links.len(), "link"),
+            counted(self.joints.len(), "joint"),
+            format!("{} moving", counted(self.moving_bodies, "body")),
+            format!("{} welded", self.welded_links),
+            counted(self.degrees_of_freedom, "degree of freedom"),
+            format!("{} kg", rounded(self.total_mass_kg)),
+        ];
+        writeln!(f, "size     {}", size.join(", "))?;
+        let extras = [(self.loops, "loop"), (self.springs, "spring"), (self.drives, "drive"), (self.bounds, "bound")];
+        let extras: Vec<_> = extras.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(n, what)).collect();
         if !extras.is_empty() {
             writeln!(f, "also     {}", extras.join(", "))?;
         }
@@ -217,6 +248,15 @@ impl Inspection {
             writeln!(f)?;
         }
         Ok(())
+    }
+}
+
+fn counted(n: usize, noun: &str) -> String {
+    match (n, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "body") => format!("{n} bodies"),
+        (_, "degree of freedom") => format!("{n} degrees of freedom"),
+        _ => format!("{n} {noun}s"),
     }
 }
 

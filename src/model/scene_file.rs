@@ -25,7 +25,7 @@ pub struct SceneFile {
     pub gravity: [f64; 3],
     /// Density in kg/m^3 that gives links without `<inertial>` mass and inertia from their collision shapes.
     #[serde(default)]
-    #[schemars(range(min = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
     /// How the root link stands in the world.
     #[serde(default)]
@@ -44,9 +44,11 @@ pub struct SceneFile {
     pub drives: Vec<DriveFile>,
     /// Length of a run, s.
     #[serde(default = "default_duration")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub duration: f64,
     /// Step sizes that a comparison runs, s.
     #[serde(default = "default_steps")]
+    #[schemars(length(min = 1))]
     pub steps: Vec<f64>,
     /// What `check` holds runs of this scene to.
     #[serde(default)]

@@ -75,11 +75,7 @@ fn embed(angles: &Vector) -> Vector {
 /// Derivative of [`embed`], 4 x 2.
 fn tangent(angles: &Vector) -> Matrix {
     let (a, b) = (angles[0], angles[1]);
-    Matrix::from_row_slice(
-        4,
-        2,
-        &[a.cos(), 0.0, a.sin(), 0.0, a.cos(), 0.8 * b.cos(), a.sin(), 0.8 * b.sin()],
-    )
+    Matrix::from_row_slice(4, 2, &[a.cos(), 0.0, a.sin(), 0.0, a.cos(), 0.8 * b.cos(), a.sin(), 0.8 * b.sin()])
 }
 
 fn angles(q: &Vector) -> Vector {
@@ -91,7 +87,8 @@ fn angles(q: &Vector) -> Vector {
 #[test]
 fn mw_3_4_1_multipliers_and_restriction_to_n_agree() {
     let rods = double_pendulum();
-    for ld in [alpha(rods.system.clone(), 0.5), symmetrised(rods.system.clone(), 0.0), alpha(rods.system.clone(), 0.0)] {
+    for ld in [alpha(rods.system.clone(), 0.5), symmetrised(rods.system.clone(), 0.0), alpha(rods.system.clone(), 0.0)]
+    {
         let (q0, p0) = rods.start();
         let (q1, p1) = rods.step(&ld, &q0, &p0, H);
         let by_multipliers = shake(&ld, rods.constraint.as_ref(), &q0, &q1, H).unwrap();
@@ -205,7 +202,9 @@ fn mw_3_5_1_constrained_maps_have_the_order_of_their_discrete_lagrangian() {
 fn mw_3_5_3_composed_rattle_gains_order() {
     let rods = double_pendulum();
     let ld: SharedLagrangian = Arc::new(symmetrised(rods.system.clone(), 0.0));
-    for (parts, theory) in [(Composition::suzuki4(ld.clone()).parts, 4.0), (Composition::yoshida6(ld.clone()).parts, 6.0)] {
+    for (parts, theory) in
+        [(Composition::suzuki4(ld.clone()).parts, 4.0), (Composition::yoshida6(ld.clone()).parts, 6.0)]
+    {
         let weights: Vec<f64> = parts.iter().map(|(weight, _)| *weight).collect();
         let order = map_order(&rods.motion(None), &rods.q, &rods.v, |q, p, h| {
             composed(ld.as_ref(), rods.system.as_ref(), rods.constraint.as_ref(), (q, p), h, &weights)

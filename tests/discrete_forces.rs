@@ -132,8 +132,8 @@ fn mw_3_2_4_forced_maps_have_the_order_of_their_discrete_lagrangian() {
             let both = WithForce { lagrangian: ld.as_ref(), force: &force };
             let motion = forced_motion(&problem, &force);
             let order = map_order(&motion, &problem.q, &problem.v, |q, p, h| hamiltonian_map(&both, q, p, h)).unwrap();
-                // measured 9.2e-02
-                at_most((order - method.forced_order as f64).abs(), 0.15, format!("{} on {}", method.name, problem.name));
+            // measured 9.2e-02
+            at_most((order - method.forced_order as f64).abs(), 0.15, format!("{} on {}", method.name, problem.name));
         }
     }
 }

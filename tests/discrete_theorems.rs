@@ -7,10 +7,14 @@ use std::sync::Arc;
 use discrete_common::{at_least, at_most, distance, start};
 use rattlebench::discrete::flow::Motion;
 use rattlebench::discrete::lagrangian::{DiscreteLagrangian, SharedLagrangian};
-use rattlebench::discrete::maps::{euler_lagrange_residual, hamiltonian_map, hamiltonian_map_derivative, lagrangian_map};
+use rattlebench::discrete::maps::{
+    euler_lagrange_residual, hamiltonian_map, hamiltonian_map_derivative, lagrangian_map,
+};
 use rattlebench::discrete::methods::*;
 use rattlebench::discrete::order::{OrderRow, fitted_order, order_samples};
-use rattlebench::discrete::problems::{Problem, RadialPolynomial, Spring, coupled_wells, double_pendulum, radial_particle};
+use rattlebench::discrete::problems::{
+    Problem, RadialPolynomial, Spring, coupled_wells, double_pendulum, radial_particle,
+};
 use rattlebench::discrete::quadrature::{Quadrature, collocation_matrix};
 use rattlebench::discrete::structure::{canonical_form, join, momentum_maps, symplectic_form, symplecticity_defect};
 use rattlebench::discrete::system::Mechanical;
@@ -177,7 +181,8 @@ fn mw_2_1_2_equivalent_discrete_lagrangians_have_the_same_motion() {
     let shifted = Equivalent { lagrangian: plain.clone(), null, power: 1 };
     let (q0, p0) = start(&problem);
     let (q1, p1) = hamiltonian_map(plain.as_ref(), &q0, &p0, H).unwrap();
-    let weak = (lagrangian_map(plain.as_ref(), &q0, &q1, H).unwrap() - lagrangian_map(&shifted, &q0, &q1, H).unwrap()).amax();
+    let weak =
+        (lagrangian_map(plain.as_ref(), &q0, &q1, H).unwrap() - lagrangian_map(&shifted, &q0, &q1, H).unwrap()).amax();
     // measured 0.0e+00
     at_most(weak, 4e-16, "positions");
     let not_strong = distance(&hamiltonian_map(&shifted, &q0, &p0, H).unwrap(), &(q1.clone(), p1.clone()));
@@ -217,8 +222,8 @@ fn mw_2_3_3_the_symmetrised_family_has_order_two_for_every_alpha() {
             let (ld, map) = table_order(&symmetrised(problem.system.clone(), a), &problem);
             // measured 5.9e-04
             at_most((ld - 2.0).abs(), 0.002, format!("alpha = {a}"));
-        // measured 2.9e-03
-        at_most((map - 2.0).abs(), 0.007, format!("alpha = {a}"));
+            // measured 2.9e-03
+            at_most((map - 2.0).abs(), 0.007, format!("alpha = {a}"));
         }
     }
 }
@@ -254,8 +259,8 @@ fn mw_2_4_2_orders_of_adjoints() {
     let (ld, map) = table_order(&Adjoint(ruth3), &problem);
     // measured 5.7e-05
     at_most((ld - 3.0).abs(), 2e-4, "order of L_d");
-        // measured 4.8e-04
-        at_most((map - 3.0).abs(), 0.002, "order of the map");
+    // measured 4.8e-04
+    at_most((map - 3.0).abs(), 0.002, "order of the map");
     let exact: SharedLagrangian = Arc::new(Exact { system: problem.system.clone() });
     let q1 = &problem.q + &problem.v * 0.3;
     let own = exact.value(&problem.q, &q1, 0.3).unwrap();
@@ -275,8 +280,8 @@ fn mw_2_4_3_adjoints_of_the_alpha_family() {
             let adjoint = Adjoint(Arc::new(alpha(system.clone(), a))).jet(&q0, &q1, H).unwrap();
             // measured 0.0e+00
             at_most((mirror.value - adjoint.value).abs(), 4e-16, "value");
-        // measured 0.0e+00
-        at_most((mirror.d2 - adjoint.d2).amax(), 4e-16, "D2");
+            // measured 0.0e+00
+            at_most((mirror.d2 - adjoint.d2).amax(), 4e-16, "D2");
             let own = symmetrised(system.clone(), a);
             let twin = Adjoint(Arc::new(symmetrised(system.clone(), a)));
             // measured 0.0e+00
@@ -290,8 +295,11 @@ fn mw_2_4_3_adjoints_of_the_alpha_family() {
 fn mw_2_5_1_composition_of_lagrangians_composes_the_maps() {
     for problem in [coupled_wells(), double_pendulum()] {
         let s = || problem.system.clone();
-        let parts: Vec<(f64, SharedLagrangian)> =
-            vec![(0.3, Arc::new(alpha(s(), 0.0))), (0.9, Arc::new(gauss(s(), 2))), (-0.2, Arc::new(symmetrised(s(), 0.25)))];
+        let parts: Vec<(f64, SharedLagrangian)> = vec![
+            (0.3, Arc::new(alpha(s(), 0.0))),
+            (0.9, Arc::new(gauss(s(), 2))),
+            (-0.2, Arc::new(symmetrised(s(), 0.25))),
+        ];
         let (q0, p0) = start(&problem);
         let (mut q, mut p) = (q0.clone(), p0.clone());
         for (weight, part) in &parts {
@@ -424,9 +432,8 @@ fn mw_2_6_2_galerkin_methods_are_symplectic_partitioned_rk() {
         }
     }
     for s in 2..=4 {
-        let both = |p: &Problem| {
-            (polynomial(p.system.clone(), s - 1, &Quadrature::lobatto(s)), lobatto(p.system.clone(), s))
-        };
+        let both =
+            |p: &Problem| (polynomial(p.system.clone(), s - 1, &Quadrature::lobatto(s)), lobatto(p.system.clone(), s));
         let (constant, varying) = (coupled_wells(), double_pendulum());
         let ((a, b), (c, d)) = (both(&constant), both(&varying));
         // measured 2.2e-15

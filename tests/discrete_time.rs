@@ -5,7 +5,9 @@ mod discrete_common;
 use std::sync::Arc;
 
 use discrete_common::{at_least, at_most};
-use rattlebench::discrete::extended::{Autonomous, Driven, Extended, ExtendedState, TimeDependent, extended_map, step_of_length};
+use rattlebench::discrete::extended::{
+    Autonomous, Driven, Extended, ExtendedState, TimeDependent, extended_map, step_of_length,
+};
 use rattlebench::discrete::lagrangian::DiscreteLegendre;
 use rattlebench::discrete::methods::alpha;
 use rattlebench::discrete::problems::{Problem, Spring, Uniform, bowl, coupled_wells, double_pendulum};
@@ -71,10 +73,8 @@ fn mw_4_2_the_extended_lagrangian_has_the_derivatives_it_states() {
 #[test]
 fn mw_4_9_1_the_natural_initial_energy_gives_no_step() {
     let (g, w) = (2.0, 1.5);
-    let uniform: SharedSystem = Arc::new(Mechanical {
-        mass: Matrix::identity(1, 1),
-        potential: Uniform { weight: scalar(g) },
-    });
+    let uniform: SharedSystem =
+        Arc::new(Mechanical { mass: Matrix::identity(1, 1), potential: Uniform { weight: scalar(g) } });
     let oscillator: SharedSystem =
         Arc::new(Mechanical { mass: Matrix::identity(1, 1), potential: Spring { stiffness: w * w } });
     let (q, p) = (scalar(0.3), scalar(0.8));
@@ -148,9 +148,8 @@ fn mw_4_9_3_the_integrator_conserves_discrete_energy_and_momentum() {
     let ld = alpha(autonomous(&problem.system), 0.5);
     let states = run(&ld, &problem, 200);
     let moment = |s: &ExtendedState| s.q[0] * s.p[1] - s.q[1] * s.p[0];
-    let worst = |f: &dyn Fn(&ExtendedState) -> f64| {
-        states.iter().map(|s| (f(s) - f(&states[0])).abs()).fold(0.0, f64::max)
-    };
+    let worst =
+        |f: &dyn Fn(&ExtendedState) -> f64| states.iter().map(|s| (f(s) - f(&states[0])).abs()).fold(0.0, f64::max);
     // measured 1.0e-13
     at_most(worst(&|s| s.energy), 3e-13, "discrete energy");
     // measured 7.5e-14
@@ -183,12 +182,8 @@ fn mw_4_9_4_the_extended_map_is_symplectic() {
     let z = join(&join(&scalar(at.t), &at.q), &join(&scalar(-at.energy), &at.p));
     // The energy decides on the step at order h^3 alone: small differences of the state make large ones of the step.
     let derivative = central_difference(&z, 1e-6, |z| {
-        let state = ExtendedState {
-            t: z[0],
-            q: z.rows(1, 2).into_owned(),
-            p: z.rows(4, 2).into_owned(),
-            energy: -z[3],
-        };
+        let state =
+            ExtendedState { t: z[0], q: z.rows(1, 2).into_owned(), p: z.rows(4, 2).into_owned(), energy: -z[3] };
         let end = extended_map(&ld, &state, next.t - at.t)?;
         Ok(join(&join(&scalar(end.t), &end.q), &join(&scalar(-end.energy), &end.p)))
     })

@@ -75,10 +75,6 @@ impl Constraint for TwoRods {
 
     fn hessian(&self, _q: &Vector, lambda: &Vector) -> Matrix {
         let (a, b) = (lambda[0], lambda[1]);
-        Matrix::from_row_slice(
-            4,
-            4,
-            &[a + b, 0.0, -b, 0.0, 0.0, a + b, 0.0, -b, -b, 0.0, b, 0.0, 0.0, -b, 0.0, b],
-        )
+        Matrix::from_row_slice(4, 4, &[a + b, 0.0, -b, 0.0, 0.0, a + b, 0.0, -b, -b, 0.0, b, 0.0, 0.0, -b, 0.0, b])
     }
 }

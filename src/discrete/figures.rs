@@ -1,5 +1,6 @@
 //! The two figures of Marsden and West (2001), and the long-time behaviour of all methods, as plain data.
 
+use super::Matrix;
 use super::Vector;
 use super::flow::Motion;
 use super::force::{Force, LinearDrag};
@@ -10,7 +11,6 @@ use super::problems::{Problem, radial_particle};
 use super::solve::SolveError;
 use super::structure::symplecticity_defect;
 use super::system::LagrangianSystem;
-use super::Matrix;
 
 /// Energy of one method over time.
 #[derive(Clone, Debug)]
@@ -54,12 +54,7 @@ pub fn conservative_particle() -> Result<EnergyFigure, SolveError> {
     Ok(EnergyFigure {
         title: "MW figure 1: energy of a particle in a radial potential",
         series: vec![
-            EnergySeries {
-                name: "exact",
-                step: None,
-                time: vec![0.0, DURATION],
-                energy: vec![exact, exact],
-            },
+            EnergySeries { name: "exact", step: None, time: vec![0.0, DURATION], energy: vec![exact, exact] },
             variational("Newmark (variational)", &newmark, &problem)?,
             runge_kutta(&problem, None)?,
         ],
@@ -114,11 +109,7 @@ fn benchmark(problem: &Problem, force: &dyn Force) -> Result<EnergySeries, Solve
     Ok(series)
 }
 
-fn variational(
-    name: &'static str,
-    ld: &impl DiscreteLegendre,
-    problem: &Problem,
-) -> Result<EnergySeries, SolveError> {
+fn variational(name: &'static str, ld: &impl DiscreteLegendre, problem: &Problem) -> Result<EnergySeries, SolveError> {
     let mut series = empty(name, Some(STEP));
     let (mut q, mut p) = (problem.q.clone(), problem.system.momentum(&problem.q, &problem.v));
     for k in 0..=steps() {

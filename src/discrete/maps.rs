@@ -25,7 +25,12 @@ pub fn euler_lagrange_residual(
 ///
 /// # Errors
 /// [`SolveError`] where `q2` is not found.
-pub fn lagrangian_map(ld: &(impl DiscreteLegendre + ?Sized), q0: &Vector, q1: &Vector, h: f64) -> Result<Vector, SolveError> {
+pub fn lagrangian_map(
+    ld: &(impl DiscreteLegendre + ?Sized),
+    q0: &Vector,
+    q1: &Vector,
+    h: f64,
+) -> Result<Vector, SolveError> {
     let p1 = ld.legendre(q0, q1, h)?.p1;
     newton("discrete Lagrangian map", q1 * 2.0 - q0, |q2| {
         let next = ld.legendre(q1, q2, h)?;

@@ -1,11 +1,11 @@
 //! Measured orders: how far `L_d`, its Legendre transforms and its map are from the exact ones (MW 2.3, PC 4).
 
+use super::Vector;
 use super::flow::{Motion, MotionPoint};
 use super::lagrangian::DiscreteLagrangian;
 use super::maps::hamiltonian_map_from;
 use super::methods::{METHODS, Method};
 use super::problems::{Problem, coupled_wells, double_pendulum};
-use super::Vector;
 use super::solve::SolveError;
 
 /// Orders of the four things that belong to a discrete Lagrangian. Order r means an error of `O(h^(r+1))` in one step.

@@ -304,8 +304,8 @@ impl DiscreteLagrangian for StencilLagrangian {
         let last = ends[n];
         // The force does work on the internal points too, when the ends move.
         let response = self.response(&all, &ends)?;
-        let discrete = all.force.select_rows(&ends)
-            + response.transpose() * all.force.select_rows(&self.inner_indices());
+        let discrete =
+            all.force.select_rows(&ends) + response.transpose() * all.force.select_rows(&self.inner_indices());
         Ok(Forced {
             legendre: Legendre {
                 p0: -all.gradient.rows(0, n),

@@ -9,7 +9,12 @@ use super::{Matrix, Vector};
 ///
 /// # Errors
 /// Those of the discrete Lagrangian.
-pub fn symplectic_form(ld: &(impl DiscreteLegendre + ?Sized), q0: &Vector, q1: &Vector, h: f64) -> Result<Matrix, SolveError> {
+pub fn symplectic_form(
+    ld: &(impl DiscreteLegendre + ?Sized),
+    q0: &Vector,
+    q1: &Vector,
+    h: f64,
+) -> Result<Matrix, SolveError> {
     let n = q0.len();
     let d12 = -ld.legendre(q0, q1, h)?.p0_q1;
     let mut form = Matrix::zeros(2 * n, 2 * n);

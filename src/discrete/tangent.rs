@@ -93,11 +93,7 @@ pub fn small_steps(problem: &Problem, steps: &[f64]) -> Result<Vec<SmallStep>, S
             let (q0, q1) = (q - v * (0.5 * h), q + v * (0.5 * h));
             let q2 = lagrangian_map(&ld, &q0, &q1, h)?;
             let second_difference = (&q2 - &q1 - (&q1 - &q0)) / (h * h);
-            Ok(SmallStep {
-                h,
-                blown_up: (a - &exact).norm(),
-                position_form: (second_difference - exact).norm(),
-            })
+            Ok(SmallStep { h, blown_up: (a - &exact).norm(), position_form: (second_difference - exact).norm() })
         })
         .collect()
 }

@@ -32,7 +32,11 @@ impl Composition {
     /// Seven substeps that take a self-adjoint method of order 2 to order 6 (Yoshida 1990, solution A, with the digits
     /// of GeometricIntegrators.jl).
     pub fn yoshida6(part: SharedLagrangian) -> Composition {
-        let w = [0.784_513_610_477_557_263_819_497_63, 0.235_573_213_359_358_133_684_793_18, -1.177_679_984_178_871_006_946_415_68];
+        let w = [
+            0.784_513_610_477_557_263_819_497_63,
+            0.235_573_213_359_358_133_684_793_18,
+            -1.177_679_984_178_871_006_946_415_68,
+        ];
         let middle = 1.0 - 2.0 * w.iter().sum::<f64>();
         Composition::of(part, &[w[0], w[1], w[2], middle, w[2], w[1], w[0]])
     }

@@ -1,12 +1,12 @@
 //! The exact discrete Lagrangian.
 
+use crate::discrete::Vector;
 use crate::discrete::flow::{Motion, MotionPoint};
 use crate::discrete::force::Force;
 use crate::discrete::lagrangian::{DiscreteLagrangian, Forced, Jet, Legendre};
 use crate::discrete::solve::{SolveError, central_difference, newton};
 use crate::discrete::structure::{join, split};
 use crate::discrete::system::SharedSystem;
-use crate::discrete::Vector;
 
 /// ```text
 /// L_d^E(q0, q1, h) = integral from 0 to h of L(q(t), q'(t)) dt                                       (MW 1.6.1)

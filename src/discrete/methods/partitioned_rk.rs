@@ -34,8 +34,7 @@ pub fn partitioned_rk(system: SharedSystem, a: &Matrix, b: &[f64]) -> StencilLag
     let mut closure = vec![-1.0];
     closure.extend(b.iter().map(|b| -b));
     closure.push(1.0);
-    let stencil =
-        Stencil { nodes: nodes.collect(), internal: vec![[-1.0, 1.0]; s], side_condition: Some(closure) };
+    let stencil = Stencil { nodes: nodes.collect(), internal: vec![[-1.0, 1.0]; s], side_condition: Some(closure) };
     StencilLagrangian::new(system, stencil)
 }
 

@@ -14,3 +14,4 @@ mod spatial;
 mod tree;
 
 pub use rattle::{Failure, Rattle};
+pub use rotation::Rotation;

@@ -28,7 +28,7 @@ use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
-use super::rotation::{jacobian, moser_veselov};
+use super::rotation::Rotation;
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, JointKind, State, System};
@@ -86,6 +86,7 @@ struct Trial {
 pub struct Rattle {
     nodes: Vec<Node>,
     gravity: Vector3<f64>,
+    rotation: Rotation,
     bodies: Vec<Body>,
     /// The configuration at the start of the step, the joints' places in it, and its factorisation.
     pose: Vec<Pose>,
@@ -161,6 +162,7 @@ impl Rattle {
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let mut rattle = Rattle {
             gravity: system.gravity,
+            rotation: Rotation::MoserVeselov,
             bodies,
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
@@ -183,6 +185,11 @@ impl Rattle {
         rattle.factorise()?;
         rattle.project_momenta(0.0);
         Ok(rattle)
+    }
+
+    /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
+    pub fn with_rotation(self, rotation: Rotation) -> Rattle {
+        Rattle { rotation, ..self }
     }
 
     /// Takes one step of size `h` (s). After a failure the state is the one before the step.
@@ -271,7 +278,7 @@ impl Rattle {
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
-            trial.s = match moser_veselov(&node.inertia, &hm, &start) {
+            trial.s = match self.rotation.solve(&node.inertia, &hm, &start) {
                 Some(s) => s,
                 None => {
                     let angle = hm.component_div(&node.inertia).norm();
@@ -327,7 +334,7 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
-            let k = jacobian(&node.inertia, &trial.s, &node.inertia.component_mul(&trial.s), &trial.hm);
+            let k = self.rotation.derivative(&node.inertia, &trial.s, &trial.hm);
             self.newton.tried[i] = Tried {
                 motion: trial.motion,
                 inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),

@@ -170,10 +170,10 @@ fn a_file_holds_what_stdout_would_show() {
 fn a_run_that_fails_keeps_its_rows_and_exits_with_3() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.csv");
-    // At 100 rad a step Gauss-Seidel in single precision throws the rods to infinity.
-    let wild = ["--set", "elbow=0:1e18", "--output", text(&file)];
+    // Rods that fast leave the range of single precision after a few steps.
+    let wild = ["--set", "elbow=0:1e19", "--output", text(&file)];
     let (_, stderr) = run(&simulate("rapier", "0.1", "100", &wild), 3);
-    assert!(stderr.starts_with("error: rapier: t = "), "{stderr}");
+    assert!(stderr.starts_with("error: rapier: "), "{stderr}");
     let written = fs::read_to_string(&file).expect("rows are kept");
     let (_, rows) = csv(&written);
     assert!(!rows.is_empty() && rows.len() < 1001 && rows.iter().flatten().all(|x| x.is_finite()), "{}", rows.len());

@@ -22,7 +22,7 @@ const QUATERNION_LENGTH: f64 = 1e-6;
 /// Reads a scene `.json` file and the URDF that it names.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
-    let file: SceneFile = serde_json::from_str(&text).map_err(|e| json_error(path, &e))?;
+    let file = parse(path, &text)?;
     let urdf = path.parent().unwrap_or(Path::new("")).join(&file.model);
     let fault = |problem| SceneError::of(path, problem);
     if !urdf.is_file() {
@@ -34,13 +34,31 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     scene(file, &name_of(path), model).map_err(fault)
 }
 
-/// serde_json's own message with the place taken out of it.
-fn json_error(path: &Path, error: &serde_json::Error) -> SceneError {
+/// The JSON of a scene file, nothing before or after it.
+fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let file = serde_path_to_error::deserialize(&mut json).map_err(|e| {
+        let key = e.path().to_string();
+        json_error(path, &key, e.inner())
+    })?;
+    json.end().map_err(|e| json_error(path, ".", &e))?;
+    Ok(file)
+}
+
+/// serde_json's own message, with its place put in front and in the words of JSON instead of those of Rust. `key` is `.`
+/// for the file as a whole.
+fn json_error(path: &Path, key: &str, error: &serde_json::Error) -> SceneError {
     let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let position = Position { line: place(error.line()), column: place(error.column()) };
-    let text = error.to_string();
+    let mut detail = error.to_string();
     let suffix = format!(" at line {} column {}", error.line(), error.column());
-    let detail = text.strip_suffix(&suffix).unwrap_or(&text).replace("unknown field", "unknown key");
+    detail.truncate(detail.strip_suffix(&suffix).unwrap_or(&detail).len());
+    for (rust, json) in [(" field ", " key "), ("variant", "value"), ("f64", "a number"), ("`", "'")] {
+        detail = detail.replace(rust, json);
+    }
+    if key != "." {
+        detail = format!("{key}: {detail}");
+    }
     SceneError::Json { file: path.display().to_string(), position, detail }
 }
 

@@ -159,14 +159,14 @@ fn mw_1_6_3_the_exact_discrete_lagrangian_generates_the_flow() {
         let end = Motion::of(problem.system.as_ref()).flow(&problem.q, &problem.v, 0.4, 0.05).unwrap();
         let p1 = problem.system.momentum(&end.q, &end.v);
         let step = hamiltonian_map(&exact, &q0, &p0, 0.4).unwrap();
-        // measured 3.8e-15
-        at_most(distance(&step, &(end.q.clone(), p1)), 9e-15, problem.name);
+        // measured 1.2e-14
+        at_most(distance(&step, &(end.q.clone(), p1)), 3e-14, problem.name);
         let value = exact.value(&q0, &end.q, 0.4).unwrap();
-        // measured 1.8e-15
+        // measured 1.4e-15
         at_most((value - end.action).abs(), 4e-15, "action");
         let jet = exact.jet(&q0, &end.q, 0.4).unwrap();
         let symmetric = (&jet.d11 - jet.d11.transpose()).amax();
-        // measured 6.7e-12
+        // measured 6.3e-12
         at_most(symmetric, 2e-11, "D11 is symmetric");
     }
 }
@@ -265,8 +265,8 @@ fn mw_2_4_2_orders_of_adjoints() {
     let q1 = &problem.q + &problem.v * 0.3;
     let own = exact.value(&problem.q, &q1, 0.3).unwrap();
     let adjoint = Adjoint(exact).value(&problem.q, &q1, 0.3).unwrap();
-    // measured 2.4e-15
-    at_most((own - adjoint).abs(), 6e-15, "the exact one is self-adjoint");
+    // measured 1.1e-15
+    at_most((own - adjoint).abs(), 3e-15, "the exact one is self-adjoint");
 }
 
 /// MW example 2.4.3: the adjoint of `L_d^alpha` is `L_d^(1-alpha)`; the symmetrised family is self-adjoint.

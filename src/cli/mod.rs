@@ -1,18 +1,29 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand. The only folder that knows clap and indicatif.
+//!
+//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 2 bad usage or bad input, 3 a run that
+//! could not be finished, 130 interrupted.
 
+mod chart;
+mod compare;
+mod error;
 mod generate;
+mod input;
 mod inspect;
+mod interrupt;
+mod list;
+mod progress;
 mod schema;
+mod simulate;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::model::{SceneError, SceneProblem};
+pub use error::CliError;
 
 /// Compares a variational RATTLE integrator with rapier on the same URDF multibody models.
 #[derive(Debug, Parser)]
-#[command(name = "rattlebench", version)]
+#[command(name = "rattlebench", version, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -21,37 +32,32 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Inspect(inspect::Args),
+    Simulate(simulate::Args),
+    Compare(compare::Args),
     Generate(generate::Args),
+    Chart(chart::Args),
+    List(list::Args),
     Schema(schema::Args),
-}
-
-/// Why a subcommand could not do its work.
-#[derive(Debug, thiserror::Error)]
-pub enum CliError {
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    #[error(transparent)]
-    Option(#[from] SceneProblem),
-    #[error("cannot write JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    #[error("cannot write to stdout: {0}")]
-    Stdout(#[from] std::io::Error),
 }
 
 /// Parses the command line and runs the subcommand that it names.
 pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Inspect(args) => inspect::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Generate(args) => generate::run(&args),
+        Command::Chart(args) => chart::run(&args),
+        Command::List(args) => list::run(&args),
         Command::Schema(args) => schema::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads our output may stop early, as `head` does.
-        Err(CliError::Stdout(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
+            if !error.is_silent() {
+                eprintln!("error: {error}");
+            }
+            error.exit_code()
         }
     }
 }

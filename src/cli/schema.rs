@@ -6,6 +6,7 @@ use clap::ValueEnum;
 
 use super::CliError;
 use crate::model::scene_file::SceneFile;
+use crate::report::Report;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]
@@ -18,11 +19,14 @@ pub struct Args {
 enum File {
     /// A scene file.
     Scene,
+    /// A report.json.
+    Report,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
     let schema = match args.file {
         File::Scene => schemars::schema_for!(SceneFile),
+        File::Report => schemars::schema_for!(Report),
     };
     let text = serde_json::to_string_pretty(&schema)?;
     writeln!(std::io::stdout().lock(), "{text}")?;

@@ -190,42 +190,43 @@ pub struct ExtendedState {
 /// p1 =  D_q1 L_d,  E1 = -D_t1 L_d
 /// ```
 ///
-/// `guess` is the `(t1, q1)` to start from. There is a solution only where the energy can be had with a real step; a
-/// natural energy of the initial state often cannot (MW example 4.9.1), so start with [`first_step`].
+/// `length` is a guess for the step, such as the last one; the iteration starts from the step of that length. There is a
+/// solution only where the energy can be had with a real step; a natural energy of the initial state often cannot (MW
+/// example 4.9.1), so start with [`step_of_length`].
 ///
 /// # Errors
 /// [`SolveError`] where no step is found.
 pub fn extended_map(
     ld: &(impl DiscreteLegendre + ?Sized),
     state: &ExtendedState,
-    guess: (f64, &Vector),
+    length: f64,
 ) -> Result<ExtendedState, SolveError> {
     let scalar = |s: f64| Vector::from_element(1, s);
+    let (_, near) = step_of_length(ld, (state.t, &state.q, &state.p), length)?;
     let (x, y) = hamiltonian_map_from(
         ld,
         &join(&scalar(state.t), &state.q),
         &join(&scalar(-state.energy), &state.p),
-        join(&scalar(guess.0), guess.1),
+        join(&scalar(near.t), &near.q),
         1.0,
     )?;
     Ok(unpack(&x, &y))
 }
 
-/// The step to a given time, with the energies that it has (MW 4.9.2): the state at `t0`, whose energy is the discrete one,
-/// and the state at `t1`.
+/// The step of a given length from `(t0, q0, p0)`, with the energies that it has (MW 4.9.2): the state at `t0`, whose energy
+/// is the discrete one, and the state at its end.
 ///
 /// # Errors
 /// [`SolveError`] where `q1` is not found.
-pub fn first_step(
+pub fn step_of_length(
     ld: &(impl DiscreteLegendre + ?Sized),
     (t0, q0, p0): (f64, &Vector, &Vector),
-    guess: &Vector,
-    t1: f64,
+    length: f64,
 ) -> Result<(ExtendedState, ExtendedState), SolveError> {
     let n = q0.len();
     let scalar = |s: f64| Vector::from_element(1, s);
-    let x0 = join(&scalar(t0), q0);
-    let q1 = newton("step of fixed length", guess.clone(), |q1| {
+    let (x0, t1) = (join(&scalar(t0), q0), t0 + length);
+    let q1 = newton("step of fixed length", q0.clone(), |q1| {
         let at = ld.legendre(&x0, &join(&scalar(t1), q1), 1.0)?;
         Ok((at.p0.rows(1, n) - p0, at.p0_q1.view((1, 1), (n, n)).into_owned()))
     })?;

@@ -36,7 +36,10 @@ impl<'a> Motion<'a> {
     }
 
     /// Acceleration: `L_vv a = L_q - L_vq v + f + G^T lambda` with `G a = -phi''(v, v)` (MW 1.2, 3.1, 3.3).
-    fn acceleration(&self, q: &Vector, v: &Vector) -> Result<Vector, SolveError> {
+    ///
+    /// # Errors
+    /// [`SolveError`] where the mass matrix is singular or constraints depend on each other.
+    pub fn acceleration(&self, q: &Vector, v: &Vector) -> Result<Vector, SolveError> {
         let n = q.len();
         let hessian = self.system.hessian(q, v);
         let mut right = self.system.gradient(q, v).q - hessian.qv.transpose() * v;

@@ -1,5 +1,6 @@
 //! Measured orders: how far `L_d`, its Legendre transforms and its map are from the exact ones (MW 2.3, PC 4).
 
+use super::Vector;
 use super::flow::{Motion, MotionPoint};
 use super::lagrangian::DiscreteLagrangian;
 use super::maps::hamiltonian_map_from;
@@ -167,4 +168,34 @@ pub fn slope(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let mean_y = points.iter().map(|p| p.1).sum::<f64>() / count;
     let covariance: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
     covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
+}
+
+/// Order of any map of T*R^n against the motion that it approximates, with or without forces and constraints: the slope
+/// of the errors of one step, centred on points along the motion, less one.
+///
+/// # Errors
+/// [`SolveError`] where the reference motion fails.
+pub fn map_order<F>(motion: &Motion<'_>, q: &Vector, v: &Vector, mut map: F) -> Result<f64, SolveError>
+where
+    F: FnMut(&Vector, &Vector, f64) -> Result<(Vector, Vector), SolveError>,
+{
+    let mut middles = vec![motion.flow(q, v, 0.0, REFERENCE_STEP)?];
+    for i in 1..STARTS {
+        middles.push(motion.flow(&middles[i - 1].q, &middles[i - 1].v, 0.5 * BETWEEN_STARTS, REFERENCE_STEP)?);
+    }
+    let mut errors = Vec::new();
+    'steps: for k in 0..STEPS {
+        let h = LONGEST_STEP * 0.5f64.powf(k as f64 / 3.0);
+        let mut sum = 0.0;
+        for middle in &middles {
+            let start = motion.flow(&middle.q, &middle.v, -0.5 * h, REFERENCE_STEP)?;
+            let end = motion.flow(&start.q, &start.v, h, REFERENCE_STEP)?;
+            let p0 = motion.system.momentum(&start.q, &start.v);
+            let Ok((q1, p1)) = map(&start.q, &p0, h) else { continue 'steps };
+            let p_error = p1 - motion.system.momentum(&end.q, &end.v);
+            sum += ((q1 - &end.q).norm_squared() + p_error.norm_squared()) / STARTS as f64;
+        }
+        errors.push((h, sum.sqrt(), f64::EPSILON / h));
+    }
+    Ok(fitted_order(errors.into_iter()))
 }

@@ -46,6 +46,35 @@ pub fn radial_particle() -> Problem {
     }
 }
 
+/// A particle in a convex round well, in the plane.
+pub fn bowl() -> Problem {
+    Problem {
+        name: "bowl",
+        system: Arc::new(Mechanical { mass: Matrix::identity(2, 2), potential: Bowl }),
+        q: Vector::from_vec(vec![0.9, 0.0]),
+        v: Vector::from_vec(vec![0.2, 0.8]),
+    }
+}
+
+/// `V = 1/2 |q|^2 + 1/4 |q|^4`
+#[derive(Clone, Debug)]
+pub struct Bowl;
+
+impl Potential for Bowl {
+    fn value(&self, q: &Vector) -> f64 {
+        let r = q.norm_squared();
+        0.5 * r + 0.25 * r * r
+    }
+
+    fn gradient(&self, q: &Vector) -> Vector {
+        q * (1.0 + q.norm_squared())
+    }
+
+    fn hessian(&self, q: &Vector) -> Matrix {
+        Matrix::identity(q.len(), q.len()) * (1.0 + q.norm_squared()) + q * q.transpose() * 2.0
+    }
+}
+
 /// `V = 1/2 x^2 + 1/4 (x^2 + y^2)^2 + 1/2 x^2 y + sin(x y)`, bounded below.
 #[derive(Clone, Debug)]
 pub struct CoupledWells;

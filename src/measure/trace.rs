@@ -56,7 +56,8 @@ pub struct Trace {
     pub ended_at: f64,
     /// Energy as the engine's states give it.
     pub energy: Option<EnergyError>,
-    /// Energy with the positions moved back to the time of the velocities: only where the engine has a lag.
+    /// Energy with the positions moved back to the time of the velocities, those of the first state too: only where the
+    /// engine has a lag and the scene has gravity.
     pub time_level_corrected: Option<EnergyError>,
     pub growth: Option<Growth>,
     pub residual: Option<constraint::Residual>,
@@ -174,8 +175,9 @@ struct Probe<'a> {
     state: State,
     taken: u64,
     lag: f64,
-    /// Energy of the scene's initial state, J.
+    /// Energy of the scene's initial state, J: as it is, and with its positions moved back like those of every state.
     start_energy: f64,
+    corrected_start: f64,
     damping: Option<DampingWork>,
     energy: EnergyError,
     corrected: EnergyError,
@@ -190,6 +192,9 @@ impl<'a> Probe<'a> {
     fn new(system: &'a System, engine: &dyn Engine, horizon: Horizon) -> Probe<'a> {
         let mut state = system.initial.clone();
         let start_energy = energy::energy(system, &state).total();
+        // Without gravity the positions have no energy.
+        let lag = if system.gravity == nalgebra::Vector3::zeros() { 0.0 } else { engine.position_lag_s() };
+        let corrected_start = energy::energy_at_velocity_time(system, &state, lag).total();
         let conserved: Vec<(Conserved, f64)> = momentum::conserved(system)
             .into_iter()
             .map(|component| {
@@ -203,7 +208,7 @@ impl<'a> Probe<'a> {
             momentum: vec![0.0; conserved.len()],
             conserved,
             damping: DampingWork::new(system),
-            lag: engine.position_lag_s(),
+            lag,
             energy: EnergyError::default(),
             corrected: EnergyError::default(),
             residual: constraint::Residual { position: 0.0, velocity: 0.0 },
@@ -213,6 +218,7 @@ impl<'a> Probe<'a> {
             horizon,
             state,
             start_energy,
+            corrected_start,
         }
     }
 
@@ -227,11 +233,11 @@ impl<'a> Probe<'a> {
             return Err(format!("t = {time:.6} s: the state is not a number"));
         }
         let work = self.damping.as_mut().map_or(0.0, |d| d.add(system, &self.state, self.horizon.step));
-        let relative = |energy: f64| (energy + work - self.start_energy) / system.energy_scale;
-        let error = relative(energy::energy(system, &self.state).total());
+        let relative = |energy: f64, start: f64| (energy + work - start) / system.energy_scale;
+        let error = relative(energy::energy(system, &self.state).total(), self.start_energy);
         let corrected = match self.lag {
             0.0 => error,
-            lag => relative(energy::energy_at_velocity_time(system, &self.state, lag).total()),
+            lag => relative(energy::energy_at_velocity_time(system, &self.state, lag).total(), self.corrected_start),
         };
         let residual = constraint::residual(system, &self.state);
         if !(error.abs() <= DIVERGED && corrected.is_finite() && residual.position.is_finite()) {

@@ -10,11 +10,11 @@ use super::{Report, page};
 /// Why a file or folder could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    #[error("{path}: cannot be written: {error}")]
+    #[error("{}: cannot be written: {error}", path.display())]
     File { path: PathBuf, error: io::Error },
-    #[error("{path}: the folder cannot be made: {error}")]
+    #[error("{}: the folder cannot be made: {error}", path.display())]
     Folder { path: PathBuf, error: io::Error },
-    #[error("{path}: no files can be made in this folder: {error}")]
+    #[error("{}: no files can be made in this folder: {error}", path.display())]
     NotWritable { path: PathBuf, error: io::Error },
     #[error(transparent)]
     Chart(#[from] ChartError),
@@ -27,6 +27,7 @@ pub enum WriteError {
 /// # Errors
 /// A folder that cannot be made or written to.
 pub fn prepare(folder: &Path) -> Result<(), WriteError> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     fs::create_dir_all(folder).map_err(|error| WriteError::Folder { path: folder.to_path_buf(), error })?;
     tempfile::NamedTempFile::new_in(folder)
         .map(drop)
@@ -38,9 +39,8 @@ pub fn prepare(folder: &Path) -> Result<(), WriteError> {
 /// # Errors
 /// The file cannot be made, written or renamed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let written = || -> io::Result<()> {
-        let mut file = temporary(folder)?;
+        let mut file = temporary_beside(path)?;
         file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
@@ -48,22 +48,34 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written().map_err(|error| WriteError::File { path: path.to_path_buf(), error })
 }
 
-/// A temporary file becomes one that others may read, as far as the umask lets it.
-fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+/// A temporary file in the folder of `path`, which others may read as far as the umask lets them.
+///
+/// # Errors
+/// The folder is not there or not writable.
+pub fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    builder.tempfile_in(path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")))
 }
 
-/// Writes `report.json`, the charts that have something to show, and `index.html`. A chart of an earlier report that this
-/// one does not have is removed. Returns the page's path.
+/// Writes `report.json`, the charts and the page, and returns the page's path.
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written.
 pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     write_whole(&folder.join("report.json"), report.to_json()?.as_bytes())?;
+    draw(report, folder)
+}
+
+/// Writes the charts that have something to show and `index.html`, and returns the page's path. A chart of an earlier
+/// report that this one does not have is removed.
+///
+/// # Errors
+/// A chart that cannot be drawn, a file that cannot be written.
+pub fn draw(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
+    prepare(folder)?;
     let mut pictures = Vec::new();
     for chart in &CHARTS {
         let path = folder.join(chart.file);

@@ -7,6 +7,7 @@ pub mod charts;
 pub mod environment;
 pub mod files;
 pub mod finding;
+pub mod metrics;
 pub mod number;
 pub mod page;
 pub mod record;

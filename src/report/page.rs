@@ -34,7 +34,7 @@ pub fn html(report: &Report, pictures: &[Picture]) -> String {
                     @if report.interrupted {
                         p.warning { "The comparison was interrupted: runs or their timings are missing." }
                     }
-                    p.finding { (finding::sentence(report)) }
+                    p.finding { (finding::sentence(report).replace(" × ", "\u{a0}×\u{a0}")) }
                     @for picture in pictures {
                         figure {
                             img alt=(picture.caption) src={ "data:image/png;base64," (STANDARD.encode(&picture.png)) };
@@ -69,9 +69,10 @@ fn runs(report: &Report) -> Markup {
                 }
                 tbody {
                     @for (i, run) in report.runs.iter().enumerate() {
-                        tr.first[i > 0 && report.runs[i - 1].engine != run.engine] {
-                            @for c in &columns { td class=(class(c.number)) { ((c.cell)(run)) } }
+                        @if i == 0 || report.runs[i - 1].engine != run.engine {
+                            tr.engine { th.word colspan=(columns.len()) { (run.engine) } }
                         }
+                        tr { @for c in &columns { td class=(class(c.number)) { ((c.cell)(run)) } } }
                     }
                 }
             }

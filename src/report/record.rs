@@ -289,11 +289,11 @@ impl SceneRecord {
             bodies: system.bodies.len(),
             joints: system.bodies.len(),
             degrees_of_freedom: system.degrees_of_freedom(),
-            loops: 0,
+            loops: scene.loops.len(),
             gravity: system.gravity.into(),
             mass_kg: system.bodies.iter().map(|b| b.mass).sum(),
             energy_scale_j: system.energy_scale,
-            needs: Vec::new(),
+            needs: scene.needs(),
             ignored: scene.model.ignored.clone(),
             remarks: scene.model.remarks.clone(),
         }

@@ -18,13 +18,12 @@ fn or_absent(text: Option<String>) -> String {
     text.unwrap_or_else(|| ABSENT.to_string())
 }
 
-const COLUMNS: [Column; 11] = [
-    Column { heading: "engine", unit: "", number: false, cell: |r| r.engine.clone() },
+const COLUMNS: [Column; 10] = [
     Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
     Column { heading: "outcome", unit: "", number: false, cell: outcome },
     Column {
         heading: "energy error",
-        unit: "of scale, max",
+        unit: "of scale",
         number: true,
         cell: |r| or_absent(r.energy.as_ref().map(|e| short(e.max_relative_error))),
     },
@@ -58,19 +57,19 @@ const COLUMNS: [Column; 11] = [
     },
     Column {
         heading: "momentum error",
-        unit: "of scale, max",
+        unit: "of scale",
         number: true,
         cell: |r| or_absent(r.momentum.as_ref().map(|m| short(m.max_relative_error))),
     },
     Column {
         heading: "CPU time",
-        unit: "µs a step",
+        unit: "µs/step",
         number: true,
         cell: |r| or_absent(r.time.as_ref().map(|t| plain(t.us_per_step, 3))),
     },
     Column {
         heading: "CPU time",
-        unit: "s a simulated s",
+        unit: "s/s simulated",
         number: true,
         cell: |r| or_absent(r.time.as_ref().map(|t| short(t.s_per_simulated_s))),
     },
@@ -83,12 +82,12 @@ fn outcome(run: &Run) -> String {
     }
 }
 
-/// The columns in which at least one run of the report has something to say.
+/// The columns below the engine's name in which at least one run of the report has something to say.
 pub fn columns(report: &Report) -> Vec<&'static Column> {
     COLUMNS.iter().filter(|c| report.runs.iter().any(|run| (c.cell)(run) != ABSENT)).collect()
 }
 
-/// The table as aligned text, one line a run, with a blank line between engines.
+/// The table as aligned text: a line for each engine and, indented below, one for each of its runs.
 pub fn text(report: &Report) -> String {
     let columns = columns(report);
     let cells: Vec<Vec<String>> =
@@ -104,17 +103,17 @@ pub fn text(report: &Report) -> String {
     let line = |cells: Vec<&str>| {
         let mut text = String::new();
         for ((cell, width), column) in cells.into_iter().zip(&widths).zip(&columns) {
-            let padded = if column.number { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
-            text += &padded;
             text += "  ";
+            text += &if column.number { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
         }
         text.trim_end().to_string() + "\n"
     };
     let mut text = line(columns.iter().map(|c| c.heading).collect());
     text += &line(columns.iter().map(|c| c.unit).collect());
     for (i, row) in cells.iter().enumerate() {
-        if i > 0 && report.runs[i].engine != report.runs[i - 1].engine {
-            text += "\n";
+        let engine = &report.runs[i].engine;
+        if i == 0 || report.runs[i - 1].engine != *engine {
+            text += &format!("{engine}\n");
         }
         text += &line(row.iter().map(String::as_str).collect());
     }

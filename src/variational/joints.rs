@@ -186,7 +186,7 @@ impl Motion {
 
     /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`.
     #[inline(always)]
-    fn turned(&self, r: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn turned(&self, r: &Vector3<f64>) -> Vector3<f64> {
         let once = self.s.cross(r);
         (once + self.s.cross(&once)) * (2.0 / (1.0 + self.s.norm_squared()))
     }
@@ -197,7 +197,7 @@ pub(super) struct Moved {
     /// Change of the relative position of the joint point, seen from the parent's moved body, m.
     gap: Vector3<f64>,
     /// Cayley vector of the relative rotation `F_parent^-1 F_child`.
-    turn: Vector3<f64>,
+    pub turn: Vector3<f64>,
 }
 
 impl Moved {

@@ -6,6 +6,7 @@
 mod compensated;
 pub mod composition;
 mod joints;
+mod newton;
 mod predictor;
 pub mod rattle;
 pub mod rotation;

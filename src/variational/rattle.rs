@@ -26,8 +26,9 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
+use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
-use super::rotation::moser_veselov;
+use super::rotation::{jacobian, moser_veselov};
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, JointKind, State, System};
@@ -106,6 +107,7 @@ pub struct Rattle {
     /// Twists at the joint points after the last projection.
     twist: Vec<Twist>,
     predictor: Predictor,
+    newton: Newton,
     /// s since the start, for the predictor.
     time: f64,
     /// A length of the system, which weighs angles against positions, m.
@@ -172,6 +174,7 @@ impl Rattle {
             wrench: vec![Spatial::ZERO; n],
             twist: vec![Spatial::ZERO; n],
             predictor: Predictor::new(n),
+            newton: Newton::new(n),
             time: 0.0,
             length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
             rounds: 0,
@@ -229,7 +232,7 @@ impl Rattle {
 
     /// The chord iteration, down to roundoff.
     fn iterate(&mut self, h: f64) -> Result<(), Failure> {
-        let (mut last, mut rounds) = (f64::INFINITY, 0);
+        let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
         loop {
             self.kick_and_drift(h)?;
             let (joint, residual, roundoff) = self.measure_mismatch(h);
@@ -240,10 +243,16 @@ impl Rattle {
             if residual <= roundoff || stagnant {
                 return Ok(());
             }
-            if rounds == MOST_ROUNDS || (rounds > 8 && residual > 0.9 * last) {
+            let slow = residual > 0.2 * last;
+            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
                 return Err(Failure::Constraint { joint, rounds, residual });
             }
-            self.correct();
+            exact |= slow && rounds >= 3;
+            if exact {
+                self.relinearise_and_correct(h)?
+            } else {
+                self.correct()
+            }
             (last, rounds) = (residual, rounds + 1);
             self.rounds += 1;
         }
@@ -311,6 +320,27 @@ impl Rattle {
             None => self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add),
             Some(damped) => damped.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add),
         }
+    }
+
+    /// (3): one round of Newton's method with the exact linearisation.
+    fn relinearise_and_correct(&mut self, h: f64) -> Result<(), Failure> {
+        for i in 1..self.nodes.len() {
+            let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
+            let parent = &self.trial[node.parent].motion;
+            let k = jacobian(&node.inertia, &trial.s, &node.inertia.component_mul(&trial.s), &trial.hm);
+            self.newton.tried[i] = Tried {
+                motion: trial.motion,
+                inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),
+                turn: Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent).turn,
+                locked: self.bias[i].scaled(-h),
+                along: self.along[i],
+                implicit: 0.5 * h * node.damping,
+            };
+        }
+        let wrench = &mut self.wrench;
+        self.newton
+            .correct(&self.nodes, &self.places, h, |i, f| wrench[i] += f)
+            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
     /// Places the joints at the start configuration and factorises there.

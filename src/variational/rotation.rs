@@ -39,9 +39,9 @@ pub fn moser_veselov(inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<
     (residual.norm() <= 1e-14 * (hm.norm() + js.norm())).then_some(s)
 }
 
-/// Derivative of `2 (J s + s x J s) - (1 + |s|^2) h m0` in `s`.
+/// Derivative of `2 (J s + s x J s) - (1 + |s|^2) h m0` in `s`; `js` is `J s`.
 #[inline(always)]
-fn jacobian(inertia: &Vector3<f64>, s: &Vector3<f64>, js: &Vector3<f64>, hm: &Vector3<f64>) -> Matrix3<f64> {
+pub(super) fn jacobian(inertia: &Vector3<f64>, s: &Vector3<f64>, js: &Vector3<f64>, hm: &Vector3<f64>) -> Matrix3<f64> {
     // 2 (J + [s] J - [J s]) - 2 h m0 s^T
     let (a, b, c) = (inertia.x, inertia.y, inertia.z);
     Matrix3::new(

@@ -238,7 +238,7 @@ fn inverse_of_symmetric(d: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 /// The free directions of a joint with three of them, at its joint point.
-fn directions(kind: JointKind, axes: &Matrix3<f64>) -> [Spatial; 3] {
+pub(super) fn directions(kind: JointKind, axes: &Matrix3<f64>) -> [Spatial; 3] {
     let axis = |k: usize| axes.column(k).into_owned();
     let slide = |k| Spatial::new(axis(k), Vector3::zeros());
     let turn = |k| Spatial::new(Vector3::zeros(), axis(k));

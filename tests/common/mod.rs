@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use rattlebench::mechanics::System;
-use rattlebench::model::{Base, Inertial, Joint, JointKind, Link, Model, Scene};
+use rattlebench::model::{Inertial, Joint, JointKind, Link, Model, Scene};
 
 /// A rod of 0.3 m and 1 kg along x, its frame at one end.
 pub fn rod() -> Inertial {

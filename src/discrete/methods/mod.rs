@@ -37,6 +37,8 @@ pub struct Method {
     pub equation: &'static str,
     /// Order of `L_d` and of the discrete Hamiltonian map.
     pub order: usize,
+    /// Order of the map under a force that depends on the velocity, lower than `order` where the discrete forces are.
+    pub forced_order: usize,
     /// True where `L_d` is its own adjoint.
     pub self_adjoint: bool,
     /// `None` where the method is not defined for the system.
@@ -58,7 +60,12 @@ const fn method(
     self_adjoint: bool,
     build: fn(SharedSystem) -> Option<SharedLagrangian>,
 ) -> Method {
-    Method { name, equation, order, self_adjoint, build }
+    Method { name, equation, order, forced_order: order, self_adjoint, build }
+}
+
+/// A method whose discrete forces are of a lower order than its discrete Lagrangian.
+const fn with_forces_of_order(forced_order: usize, method: Method) -> Method {
+    Method { forced_order, ..method }
 }
 
 /// All methods with a finite order. The exact discrete Lagrangian is [`Exact`].
@@ -72,7 +79,7 @@ pub const METHODS: &[Method] = &[
     method("adjoint of alpha = 1/4", "2.4.1", 1, false, |s| some(Adjoint(Arc::new(alpha(s, 0.25))))),
     method("Newmark beta = 1/4", "2.6.2", 2, true, |s| shared(Newmark::new(s, 0.25))),
     method("Newmark beta = 1/6", "2.6.2", 2, true, |s| shared(Newmark::new(s, 1.0 / 6.0))),
-    method("Ruth 3", "2.6.3", 3, false, |s| shared(ruth(s))),
+    with_forces_of_order(1, method("Ruth 3", "2.6.3", 3, false, |s| shared(ruth(s)))),
     method("Forest-Ruth 4", "2.6.3", 4, true, |s| shared(forest_ruth(s))),
     method("Gauss-Legendre 1", "2.6.8", 2, true, |s| some(gauss(s, 1))),
     method("Gauss-Legendre 2", "2.6.8", 4, true, |s| some(gauss(s, 2))),

@@ -71,7 +71,7 @@ static GYRO: Choice = Choice {
 static WARMSTART: Choice = Choice {
     name: "warmstart",
     words: &["off", "on"],
-    summary: "start joint impulses from those of the last substep; impulse joints only",
+    summary: "start joint impulses from the last ones; without joint limits the result is the same to roundoff",
 };
 
 /// In the order of the help text.

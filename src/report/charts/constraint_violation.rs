@@ -19,10 +19,11 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         report,
         &Subject {
             title: format!("How far the joints come apart: {}", report.scene.name),
-            subtitle:
-                "Largest displacement (m) or rotation (rad) that a joint does not allow, over all joints; each point \
-                       is the largest in its interval"
-                    .to_string(),
+            subtitle: format!(
+                "Largest displacement (m) or rotation (rad) that a joint does not allow; each line joins the largest values \
+                 in {} intervals",
+                time_panels::INTERVALS
+            ),
             y: "joint error, m or rad",
             ceiling: 2,
             values: |series| series.constraint_position.clone(),

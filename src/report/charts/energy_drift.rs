@@ -19,8 +19,9 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         &Subject {
             title: format!("Energy error over time: {}", scene.name),
             subtitle: format!(
-                "|E(t) − E(0)| over the energy scale of the scene, {} J; each point is the largest in its interval",
-                written(scene.energy_scale_j)
+                "|E(t) − E(0)| over the energy scale of the scene, {} J; each line joins the largest values in {} intervals",
+                written(scene.energy_scale_j),
+                time_panels::INTERVALS
             ),
             y: "relative energy error",
             ceiling: 2,

@@ -4,7 +4,7 @@ use super::super::number::duration;
 use super::super::record::{Outcome, Report, Run};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
-use super::panel::{Panel, Words};
+use super::panel::{Label, Panel, Words};
 use super::{Chart, legend, style};
 
 pub const CHART: Chart = Chart {
@@ -56,8 +56,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     }
     let looks = style::looks(report);
     let title = format!("Error against run time: {}", report.scene.name);
-    let subtitle = "One marker a step size; lower left is better. Largest errors over the run; processor time of the stepping \
-                    alone, one thread, median of several repeats";
+    let subtitle = "One marker a step size; lower left is better. Largest error of the run; CPU time of the stepping alone, \
+                    one thread";
     canvas::render(|area| {
         let area = legend::frame(area, &title, subtitle, &looks, &notes(report))?;
         let width = area.dim_in_pixel().0 / panels.len() as u32;
@@ -66,10 +66,13 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
             let (panel_area, right) = rest.split_horizontally(width);
             let words = Words { heading: subject.heading, x: "CPU seconds per simulated second", y: Some(subject.y) };
             let panel = Panel::new(&panel_area, x, *y, words)?;
+            let (mut labels, mut lines) = (Vec::new(), Vec::new());
             for (engine, look) in looks.iter().rev() {
-                let runs: Vec<&Run> = report.runs.iter().filter(|r| r.engine == *engine).collect();
-                engine_line(&panel, &runs, *look, subject)?;
+                let runs: Vec<&Run> = report.runs.iter().filter(|r| r.engine == *engine && cost(r).is_some()).collect();
+                lines.extend(engine_lines(&panel, &runs, *look, subject)?);
+                labels.extend(ends(&runs, *look, subject));
             }
+            panel.labels(&labels, &lines)?;
             rest = right;
         }
         Ok(())
@@ -77,29 +80,36 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     .map(Some)
 }
 
-fn engine_line(panel: &Panel, runs: &[&Run], look: style::Look, subject: &Subject) -> Result<(), ChartError> {
+/// Draws an engine's lines and markers and returns the points that they go through.
+fn engine_lines(
+    panel: &Panel,
+    runs: &[&Run],
+    look: style::Look,
+    subject: &Subject,
+) -> Result<[Vec<(f64, f64)>; 2], ChartError> {
     let points = |error: fn(&Run) -> Option<f64>| -> Vec<(f64, f64)> {
         runs.iter().filter_map(|r| Some((cost(r)?, error(r)?))).collect()
     };
-    let hollow = points(subject.hollow);
+    let (solid, hollow) = (points(subject.error), points(subject.hollow));
     panel.line(&hollow, look, 2, true)?;
     for point in &hollow {
         panel.mark(*point, look, true)?;
     }
-    let solid = points(subject.error);
     panel.line(&solid, look, 3, false)?;
     for point in &solid {
         panel.mark(*point, look, false)?;
     }
-    // The two ends of the line say which steps the others lie between.
-    let timed: Vec<&&Run> = runs.iter().filter(|r| cost(r).is_some() && (subject.error)(r).is_some()).collect();
-    for (run, point) in timed.iter().zip(&solid) {
-        let end = run.step_s == timed[0].step_s || run.step_s == timed[timed.len() - 1].step_s;
-        if end {
-            panel.label(*point, &duration(run.step_s), look)?;
-        }
-    }
-    Ok(())
+    Ok([solid, hollow])
+}
+
+/// The step sizes at the two ends of an engine's line, which the others lie between.
+fn ends(runs: &[&Run], look: style::Look, subject: &Subject) -> Vec<Label> {
+    let labels: Vec<Label> = runs
+        .iter()
+        .filter_map(|r| Some(Label { point: (cost(r)?, (subject.error)(r)?), words: duration(r.step_s), look }))
+        .collect();
+    let last = labels.len().saturating_sub(1);
+    labels.into_iter().enumerate().filter(|(i, _)| *i == 0 || *i == last).map(|(_, label)| label).collect()
 }
 
 fn notes(report: &Report) -> Vec<String> {

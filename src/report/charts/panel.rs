@@ -22,10 +22,17 @@ pub struct Words<'a> {
     pub y: Option<&'a str>,
 }
 
+/// Words that belong to a point.
+pub struct Label {
+    pub point: (f64, f64),
+    pub words: String,
+    pub look: Look,
+}
+
 impl<'a, 'b> Panel<'a, 'b> {
     pub fn new(area: &'a Area<'b>, x: Axis, y: Axis, words: Words) -> Result<Panel<'a, 'b>, ChartError> {
         let mut builder = ChartBuilder::on(area);
-        builder.margin_right(px(16)).margin_left(px(8)).margin_bottom(px(6));
+        builder.margin_right(px(28)).margin_left(px(8)).margin_bottom(px(6));
         builder.x_label_area_size(px(64)).y_label_area_size(px(if words.y.is_some() { 108 } else { 66 }));
         builder.margin_top(px(38));
         let mut context = builder.build_cartesian_2d(x, y)?;
@@ -90,16 +97,29 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Small words beside a point, to its right or, near the right edge, to its left.
-    pub fn label(&self, point: (f64, f64), words: &str, look: Look) -> Result<(), ChartError> {
-        let ((x, y), canvas) = self.local(point);
-        let style = style::font(style::NOTE, look.colour);
-        let (width, height) = canvas.estimate_text_size(words, &style)?;
-        let (across, down) = canvas.dim_in_pixel();
-        let fits_right = x + at(12) + (width as i32) < across as i32;
-        let left = if fits_right { x + at(12) } else { x - at(12) - width as i32 };
-        let top = (y - height as i32 / 2).clamp(0, down as i32 - height as i32);
-        canvas.draw(&Text::new(words.to_string(), (left, top), style))?;
+    /// Small words beside points, each where it covers least of the points, the lines through them and the other words.
+    pub fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
+        let mut covered: Vec<Span> = Vec::new();
+        for line in lines {
+            let pixels: Vec<(i32, i32)> = line.iter().map(|p| self.local(*p).0).collect();
+            covered.extend(pixels.iter().map(|p| Span::around(*p, at(10))));
+            covered.extend(pixels.windows(2).flat_map(along));
+        }
+        for label in labels {
+            let (centre, canvas) = self.local(label.point);
+            let style = style::font(style::NOTE, label.look.colour);
+            let (width, height) = canvas.estimate_text_size(&label.words, &style)?;
+            let (size, room) = ((width as i32, height as i32), canvas.dim_in_pixel());
+            let cost = |place: &Span| {
+                let inside =
+                    place.left >= 0 && place.top >= 0 && place.right <= room.0 as i32 && place.bottom <= room.1 as i32;
+                covered.iter().filter(|r| r.overlaps(place)).count() + if inside { 0 } else { 1000 }
+            };
+            let Some(place) = Span::beside(centre, size, at(14)).into_iter().min_by_key(cost) else { continue };
+            canvas.draw(&Text::new(label.words.clone(), (place.left, place.top), style))?;
+            // Words weigh more than lines.
+            covered.extend([place; 20]);
+        }
         Ok(())
     }
 
@@ -135,6 +155,53 @@ pub fn draw_marker(area: &Area, (x, y): (i32, i32), look: Look, hollow: bool) ->
         }
     }
     Ok(())
+}
+
+/// Small squares along a stretch of a line.
+fn along(ends: &[(i32, i32)]) -> Vec<Span> {
+    let ((ax, ay), (bx, by)) = (ends[0], ends[1]);
+    let count = f64::from(bx - ax).hypot(f64::from(by - ay)) as i32 / at(6);
+    (1..count).map(|k| Span::around((ax + (bx - ax) * k / count, ay + (by - ay) * k / count), at(2))).collect()
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    left: i32,
+    top: i32,
+    right: i32,
+    bottom: i32,
+}
+
+impl Span {
+    fn around((x, y): (i32, i32), r: i32) -> Span {
+        Span { left: x - r, top: y - r, right: x + r, bottom: y + r }
+    }
+
+    /// The places for words of a size around a point, the best first.
+    fn beside((x, y): (i32, i32), (width, height): (i32, i32), gap: i32) -> Vec<Span> {
+        let (left, centre, right) = (x - gap - width, x - width / 2, x + gap);
+        let (above, middle, below) = (y - gap - height, y - height / 2, y + gap);
+        let places = [
+            (centre, above),
+            (x, above),
+            (right, middle),
+            (right, above + gap / 2),
+            (left, middle),
+            (left, above + gap / 2),
+            (centre, below),
+            (x, below),
+            (x - width, above),
+            (x - width, below),
+            (centre, above - height),
+            (centre, below + height),
+        ];
+        places.into_iter().map(|(left, top)| Span { left, top, right: left + width, bottom: top + height }).collect()
+    }
+
+    fn overlaps(&self, other: &Span) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
 }
 
 /// Cuts a path into dashes of 11 pixels with gaps of 7.

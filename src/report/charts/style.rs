@@ -35,12 +35,12 @@ pub fn at(pixels: u32) -> i32 {
 
 /// Text of a size and colour.
 pub fn font(size: u32, colour: RGBColor) -> TextStyle<'static> {
-    ("sans-serif", px(size)).into_font().color(&colour)
+    FontDesc::new(FontFamily::SansSerif, f64::from(px(size)), FontStyle::Normal).color(&colour)
 }
 
 /// Bold text.
 pub fn bold(size: u32, colour: RGBColor) -> TextStyle<'static> {
-    ("sans-serif", px(size)).into_font().style(FontStyle::Bold).color(&colour)
+    FontDesc::new(FontFamily::SansSerif, f64::from(px(size)), FontStyle::Bold).color(&colour)
 }
 
 /// How an engine looks.

@@ -10,6 +10,10 @@ use super::{legend, style};
 /// Smallest value shown, a power of ten: below the roundoff of doubles.
 const FLOOR: i32 = -18;
 
+/// A run is drawn by its largest value in each of so many intervals of equal length. An error that swings through zero would
+/// fill a logarithmic axis with spikes that say nothing.
+pub const INTERVALS: usize = 40;
+
 /// What is drawn.
 pub struct Subject<'a> {
     pub title: String,
@@ -60,9 +64,7 @@ pub fn draw(report: &Report, subject: &Subject) -> Result<Option<Vec<u8>>, Chart
 
 fn curve(panel: &Panel, run: &Run, look: style::Look, subject: &Subject, turn: usize) -> Result<(), ChartError> {
     let Some(series) = &run.series else { return Ok(()) };
-    let against_time = |values: &[f64]| -> Vec<(f64, f64)> {
-        series.time_s.iter().zip(values).map(|(t, v)| (*t, v.max(10f64.powi(FLOOR)))).collect()
-    };
+    let against_time = |values: &[f64]| largest_in_intervals(&series.time_s, values, run.duration_s);
     if let Some(values) = subject.dashed.and_then(|(values, _)| values(series)) {
         panel.line(&against_time(values), look, 2, true)?;
     }
@@ -76,11 +78,24 @@ fn curve(panel: &Panel, run: &Run, look: style::Look, subject: &Subject, turn: u
         }
     }
     if run.outcome != Outcome::Completed
-        && let Some(end) = points.last()
+        && let (Some((_, value)), Some(time)) = (points.last(), run.ended_at_s)
     {
-        panel.cross(*end, look)?;
+        panel.cross((time, *value), look)?;
     }
     Ok(())
+}
+
+/// The largest value in each interval of the run, at the middle of the times that it is from.
+fn largest_in_intervals(times: &[f64], values: &[f64], duration: f64) -> Vec<(f64, f64)> {
+    let interval = |time: f64| (time / duration * INTERVALS as f64) as usize;
+    let samples: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
+    samples
+        .chunk_by(|a, b| interval(a.0) == interval(b.0))
+        .map(|chunk| {
+            let middle = 0.5 * (chunk[0].0 + chunk[chunk.len() - 1].0);
+            (middle, chunk.iter().map(|sample| sample.1).fold(10f64.powi(FLOOR), f64::max))
+        })
+        .collect()
 }
 
 /// The coarsest step, the finest, and one between.
@@ -94,15 +109,20 @@ fn shown_steps(report: &Report) -> Vec<f64> {
     }
 }
 
-/// Decades of all values; the first blocks of a run, where errors rise from zero, do not stretch the axis.
+/// Decades of all values; the first interval of a run, where errors rise from zero, does not stretch the axis.
 fn y_axis(runs: &[&Run], subject: &Subject) -> Option<Axis> {
-    let values = runs.iter().filter_map(|r| r.series.as_ref()).flat_map(|series| {
-        let values = (subject.values)(series);
-        let dashed = subject.dashed.and_then(|(dashed, _)| dashed(series)).cloned().unwrap_or_default();
-        let skipped = values.len() / 20;
-        values.into_iter().skip(skipped).chain(dashed.into_iter().skip(skipped))
-    });
-    Axis::decades(values, FLOOR, subject.ceiling)
+    let mut shown = Vec::new();
+    for run in runs {
+        let Some(series) = &run.series else { continue };
+        let solid = (subject.values)(series);
+        let dashed = subject.dashed.and_then(|(values, _)| values(series)).cloned().unwrap_or_default();
+        for values in [solid, dashed] {
+            let points = largest_in_intervals(&series.time_s, &values, run.duration_s);
+            let skipped = usize::from(points.len() > 1);
+            shown.extend(points.into_iter().skip(skipped).map(|point| point.1));
+        }
+    }
+    Axis::decades(shown.into_iter().filter(|x| *x > 10f64.powi(FLOOR)), FLOOR, subject.ceiling)
 }
 
 /// One note that names every run that did not reach its end.

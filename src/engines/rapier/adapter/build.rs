@@ -40,6 +40,9 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
     if !substep.is_normal() {
         return Err(format!("a step of {step:e} s in {} substeps: it vanishes in {PRECISION}", settings.substeps));
     }
+    if !vector(&system.gravity).is_finite() {
+        return Err(format!("a gravity of {:e} m/s^2: it overflows in {PRECISION}", system.gravity.norm()));
+    }
     for body in &system.bodies {
         let values =
             [("mass", body.mass), ("moment of inertia", body.inertia.min()), ("moment of inertia", body.inertia.max())];
@@ -54,10 +57,11 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
         }
         let Joint { name, damping, .. } = &body.joint;
         let per_substep = narrow(*damping) * substep;
-        if *damping > 0.0 && !(per_substep > narrow(SMALLEST_INVERTED) && per_substep.is_finite()) {
-            return Err(format!(
-                "the damping {damping:e} of joint '{name}': in a motor of {PRECISION} it would act as a lock"
-            ));
+        if !per_substep.is_finite() {
+            return Err(format!("the damping {damping:e} of joint '{name}': it overflows in {PRECISION}"));
+        }
+        if *damping > 0.0 && !settings.multibody && per_substep <= narrow(SMALLEST_INVERTED) {
+            return Err(format!("the damping {damping:e} of joint '{name}': so weak a motor acts as a lock"));
         }
     }
     Ok(())

@@ -7,7 +7,7 @@ use super::super::Settings;
 use super::super::held::{Held, HeldBody};
 use super::rapier::math::{Pose, Vector};
 use super::rapier::prelude::{MultibodyIndex, PhysicsWorld, RigidBodyHandle};
-use super::widen;
+use super::{PRECISION, widen};
 use crate::engines::{Engine, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 
@@ -46,16 +46,25 @@ struct Motion {
 }
 
 impl Motion {
+    /// Whether every number is finite and the quaternion is a rotation: rapier's normalisation of an overflow is zero.
     fn is_finite(&self) -> bool {
-        self.pose.is_finite() && self.velocity.is_finite() && self.angular_velocity.is_finite()
+        let finite = self.pose.is_finite() && self.velocity.is_finite() && self.angular_velocity.is_finite();
+        finite && self.pose.rotation.length_squared().is_normal()
     }
 }
 
 impl World {
     /// Builds the world at the system's initial state.
+    ///
+    /// # Errors
+    /// A number of the system that the precision cannot hold, or that rapier would take for something else.
     pub(in super::super) fn new(system: &System, settings: &Settings, step: f64) -> Result<World, Unsupported> {
         let (physics, bodies) = build::build(system, settings, step)?;
         let present: Vec<Motion> = bodies.iter().map(|seat| seat.motion(&physics)).collect();
+        if let Some((seat, _)) = bodies.iter().zip(&present).find(|(_, motion)| !motion.is_finite()) {
+            let what = format!("the initial motion of body '{}': it is out of the range of {PRECISION}", seat.name);
+            return Err(Unsupported { engine: settings.spec.clone(), what });
+        }
         let next = present.clone();
         let (substeps, step_size) = (settings.substeps, step);
         Ok(World { physics, bodies, present, next, step_size, substeps, steps: 0, failure: None })
@@ -63,8 +72,7 @@ impl World {
 
     /// What rapier's own bodies say.
     pub(in super::super) fn held(&self) -> Held {
-        let mut state = State { bodies: self.present.iter().map(body_state).collect() };
-        self.write_state(&mut state);
+        let state = State { bodies: self.present.iter().map(body_state).collect() };
         let bodies = self.bodies.iter().map(|seat| {
             let properties = self.physics.bodies[seat.body].mass_properties();
             let local = &properties.local_mprops;

@@ -1,0 +1,147 @@
+//! `compare`: several engines at several step sizes on each scene, and a report of each.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use super::{CliError, input, interrupt, progress};
+use crate::engines::Spec;
+use crate::measure::Horizon;
+use crate::measure::comparison::{Comparison, Progress};
+use crate::mechanics::System;
+use crate::model::Scene;
+use crate::report::{Report, files, finding, table};
+
+/// Engines that are compared where none is named.
+const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
+
+/// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
+const QUICK_DURATION: f64 = 2.0;
+const QUICK_STEPS: usize = 2;
+
+/// Run several engines at several step sizes on each scene and write a report of each.
+///
+/// An engine that diverges or does not converge is a result; the other runs go on.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// .urdf files or scene .json files.
+    #[arg(required = true)]
+    input: Vec<PathBuf>,
+    /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle and three
+    /// settings of rapier].
+    #[arg(long, value_name = "SPEC")]
+    engine: Vec<String>,
+    /// Step size, s; may be given several times [default: those of the scene].
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Vec<f64>,
+    /// Simulated time, s [default: that of the scene].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Folder for the report; with several scenes, for one folder each [default: reports/<scene>].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads for the runs that are measured; those that are timed never share the machine [default: one a core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// Wall-clock time that one run may take, s.
+    #[arg(long, value_name = "S", default_value_t = 30.0, allow_negative_numbers = true)]
+    budget: f64,
+    /// Only the two largest steps, over at most 2 s of simulated time.
+    #[arg(long)]
+    quick: bool,
+}
+
+/// A scene with what is to be run on it.
+struct Task {
+    path: PathBuf,
+    scene: Scene,
+    system: System,
+    horizons: Vec<Horizon>,
+    folder: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let engines = engines(args)?;
+    let budget = Duration::try_from_secs_f64(input::positive("--budget", args.budget)?).unwrap_or(Duration::MAX);
+    let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
+    // Everything that can be wrong is found before the first run starts.
+    let tasks = args.input.iter().map(|path| task(args, path)).collect::<Result<Vec<Task>, CliError>>()?;
+    for (i, task) in tasks.iter().enumerate() {
+        if let Some(other) = tasks[..i].iter().find(|other| other.folder == task.folder) {
+            let (first, second) = (other.path.clone(), task.path.clone());
+            return Err(CliError::SameName { name: task.scene.name.clone(), first, second });
+        }
+    }
+    for task in &tasks {
+        files::prepare(&task.folder)?;
+    }
+    let interrupted = interrupt::flag();
+    for task in &tasks {
+        let comparison = Comparison {
+            system: &task.system,
+            engines: &engines,
+            horizons: &task.horizons,
+            budget,
+            jobs: jobs.unwrap_or(1),
+        };
+        compare(task, &comparison, interrupted)?;
+    }
+    Ok(())
+}
+
+/// The engines named, or the default ones, none twice.
+fn engines(args: &Args) -> Result<Vec<Spec>, CliError> {
+    let named: Vec<&str> =
+        if args.engine.is_empty() { ENGINES.to_vec() } else { args.engine.iter().map(String::as_str).collect() };
+    let mut specs: Vec<Spec> = Vec::new();
+    for text in named {
+        let spec = Spec::parse(text)?;
+        if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
+            specs.push(spec);
+        }
+    }
+    Ok(specs)
+}
+
+fn task(args: &Args, path: &Path) -> Result<Task, CliError> {
+    let scene = input::scene(path)?;
+    let system = input::system(path, &scene)?;
+    let asked = args.duration.unwrap_or(scene.duration);
+    let duration = if args.quick { asked.min(QUICK_DURATION) } else { asked };
+    let mut steps = if args.step.is_empty() { scene.steps.clone() } else { args.step.clone() };
+    steps.sort_by(|a, b| b.total_cmp(a));
+    steps.dedup();
+    if args.quick {
+        steps.truncate(QUICK_STEPS);
+    }
+    let horizons = steps.iter().map(|&step| Horizon::nearest(step, duration)).collect::<Result<Vec<Horizon>, _>>()?;
+    let folder = match &args.out {
+        Some(out) if args.input.len() == 1 => out.clone(),
+        Some(out) => out.join(&scene.name),
+        None => Path::new("reports").join(&scene.name),
+    };
+    Ok(Task { path: path.to_path_buf(), scene, system, horizons, folder })
+}
+
+/// Runs one comparison, writes its report and prints its table. What was finished before an interruption is kept.
+fn compare(task: &Task, comparison: &Comparison, interrupted: &AtomicBool) -> Result<(), CliError> {
+    for remark in &task.scene.model.remarks {
+        eprintln!("remark: {}: {remark}", task.path.display());
+    }
+    let counters = Progress::default();
+    let stages = [
+        progress::Stage { name: "measuring", total: comparison.steps(), done: &counters.traced },
+        progress::Stage { name: "timing", total: comparison.turns(), done: &counters.timed },
+    ];
+    let results = progress::during(&task.scene.name, &stages, || comparison.run(interrupted, &counters));
+    if results.runs.is_empty() {
+        return Err(CliError::Interrupted);
+    }
+    let report = Report::new(&task.scene, &task.system, &results, input::command_line());
+    let page = files::write(&report, &task.folder)?;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}\n{}\n", task.scene.name, finding::sentence(&report))?;
+    writeln!(out, "{}\n{}\n", table::text(&report), page.display())?;
+    if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
+}

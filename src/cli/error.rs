@@ -1,0 +1,73 @@
+//! What ends a subcommand before its time, and the exit code that goes with it.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::engines::{SpecError, Unsupported};
+use crate::measure::HorizonError;
+use crate::mechanics::CompileError;
+use crate::model::{SceneError, SceneProblem};
+use crate::report::files::WriteError;
+use crate::report::record::ReadError;
+
+/// Why a subcommand could not do its work.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Option(#[from] SceneProblem),
+    #[error("{input}: {error}", input = input.display())]
+    Compile { input: PathBuf, error: CompileError },
+    #[error("{input}: \"{what}\" cannot be simulated by any engine of this version; take them out of the scene", input = input.display())]
+    NotSimulated { input: PathBuf, what: &'static str },
+    #[error("--engine: {0}")]
+    Spec(#[from] SpecError),
+    #[error("--engine: {0}")]
+    Unsupported(#[from] Unsupported),
+    #[error(transparent)]
+    Horizon(#[from] HorizonError),
+    #[error("{option} must be > 0 s, got {value}")]
+    NotPositive { option: &'static str, value: f64 },
+    #[error("--sample {sample} s is not a whole number of steps of {step} s; use {below} or {above}")]
+    Sample { sample: f64, step: f64, below: f64, above: f64 },
+    #[error("--set {text}: {problem}")]
+    Set { text: String, problem: String },
+    #[error("{first} and {second} are both named '{name}' and would write the same report; run them one by one")]
+    SameName { name: String, first: PathBuf, second: PathBuf },
+    #[error("{path}: {error}", path = path.display())]
+    Report { path: PathBuf, error: ReadError },
+    #[error("{path}: cannot be read: {error}", path = path.display())]
+    Read { path: PathBuf, error: io::Error },
+    #[error("--output {path}: {error}", path = path.display())]
+    Output { path: PathBuf, error: io::Error },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    #[error("cannot write JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("cannot write to stdout: {0}")]
+    Stdout(#[from] io::Error),
+    #[error("{engine}: {detail}")]
+    RunFailed { engine: String, detail: String },
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl CliError {
+    /// 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be finished; 130 for an
+    /// interruption. A reader of our output that stops early, as `head` does, is no error.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+            CliError::RunFailed { .. } => ExitCode::from(3),
+            CliError::Interrupted => ExitCode::from(130),
+            _ => ExitCode::from(2),
+        }
+    }
+
+    /// Whether there is something to tell.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,55 @@
+//! Scenes and options that several subcommands read.
+
+use std::path::Path;
+
+use super::CliError;
+use crate::mechanics::System;
+use crate::model::Scene;
+
+/// Reads a scene. What only later engines can simulate is refused, so that nothing is dropped in silence.
+pub fn scene(path: &Path) -> Result<Scene, CliError> {
+    let scene = Scene::load(path)?;
+    let parts = [("loops", scene.loops.len()), ("springs", scene.springs.len()), ("drives", scene.drives.len())];
+    match parts.into_iter().find(|(_, count)| *count > 0) {
+        Some((what, _)) => Err(CliError::NotSimulated { input: path.to_path_buf(), what }),
+        None => Ok(scene),
+    }
+}
+
+/// Compiles a scene that was read from `path`.
+pub fn system(path: &Path, scene: &Scene) -> Result<System, CliError> {
+    System::compile(scene).map_err(|error| CliError::Compile { input: path.to_path_buf(), error })
+}
+
+/// A time that must be positive and finite.
+pub fn positive(option: &'static str, value: f64) -> Result<f64, CliError> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(CliError::NotPositive { option, value }) }
+}
+
+/// The command line as a shell would take it.
+pub fn command_line() -> String {
+    let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
+    std::iter::once("rattlebench".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+fn quoted(argument: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    if !argument.is_empty() && argument.chars().all(plain) {
+        argument.to_string()
+    } else {
+        format!("'{}'", argument.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_are_quoted_where_a_shell_needs_it() {
+        assert_eq!(quoted("rapier:joints=multibody,precision=f64"), "rapier:joints=multibody,precision=f64");
+        assert_eq!(quoted("my scene.json"), "'my scene.json'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

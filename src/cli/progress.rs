@@ -1,0 +1,53 @@
+//! Progress bars on stderr, only where it is a terminal. They have no colours.
+
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// How often a bar looks at the counters. Rarely enough not to disturb timed runs.
+const PERIOD: Duration = Duration::from_millis(250);
+
+/// One stretch of work: what it is, how much of it there is, how much is done.
+pub struct Stage<'a> {
+    pub name: &'static str,
+    pub total: u64,
+    pub done: &'a AtomicU64,
+}
+
+/// Runs `work` on this thread while another shows how far its stages are, one after the other. Without a terminal it only
+/// runs `work`.
+pub fn during<T>(title: &str, stages: &[Stage], work: impl FnOnce() -> T) -> T {
+    if !std::io::stderr().is_terminal() {
+        return work();
+    }
+    let finished = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let watcher = scope.spawn(|| watch(title, stages, &finished));
+        let result = work();
+        finished.store(true, Ordering::Relaxed);
+        watcher.thread().unpark();
+        result
+    })
+}
+
+fn watch(title: &str, stages: &[Stage], finished: &AtomicBool) {
+    for stage in stages {
+        let bar = ProgressBar::with_draw_target(Some(stage.total), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {msg} [{bar:32}] {percent:>3} %, {eta} left") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_prefix(title.to_string());
+        bar.set_message(stage.name);
+        loop {
+            let done = stage.done.load(Ordering::Relaxed);
+            bar.set_position(done.min(stage.total));
+            if finished.load(Ordering::Relaxed) || done >= stage.total {
+                break;
+            }
+            std::thread::park_timeout(PERIOD);
+        }
+        bar.finish_and_clear();
+    }
+}

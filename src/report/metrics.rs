@@ -1,0 +1,90 @@
+//! The figures of a run that have a name, for bounds and lists.
+
+use super::record::Run;
+
+/// A figure of a run.
+#[derive(Debug)]
+pub struct Metric {
+    /// Its path in a run of `report.json`.
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub summary: &'static str,
+    /// Its value; `None` where it could not be had.
+    pub value: fn(&Run) -> Option<f64>,
+}
+
+/// All figures. A new one is one entry here.
+pub const METRICS: [Metric; 12] = [
+    Metric {
+        name: "energy.max_relative_error",
+        unit: "of the energy scale",
+        summary: "largest absolute energy error over all steps",
+        value: |r| Some(r.energy.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "energy.final_relative_error",
+        unit: "of the energy scale",
+        summary: "energy error at the end, negative where energy was lost",
+        value: |r| Some(r.energy.as_ref()?.final_relative_error),
+    },
+    Metric {
+        name: "energy.time_level_corrected.max_relative_error",
+        unit: "of the energy scale",
+        summary: "largest energy error with positions moved back to the time of the velocities",
+        value: |r| Some(r.energy.as_ref()?.time_level_corrected.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "energy.time_level_corrected.final_relative_error",
+        unit: "of the energy scale",
+        summary: "energy error at the end with positions moved back to the time of the velocities",
+        value: |r| Some(r.energy.as_ref()?.time_level_corrected.as_ref()?.final_relative_error),
+    },
+    Metric {
+        name: "energy.slope_per_s",
+        unit: "1/s",
+        summary: "slope of a straight line through the energy error",
+        value: |r| r.energy.as_ref()?.slope_per_s,
+    },
+    Metric {
+        name: "energy.growth_exponent",
+        unit: "",
+        summary: "the spread of the energy error grows like this power of time",
+        value: |r| r.energy.as_ref()?.growth_exponent,
+    },
+    Metric {
+        name: "constraint.max_position",
+        unit: "m or rad",
+        summary: "largest displacement or rotation that a joint does not allow",
+        value: |r| Some(r.constraint.as_ref()?.max_position),
+    },
+    Metric {
+        name: "constraint.max_velocity",
+        unit: "m/s or rad/s",
+        summary: "largest relative velocity that a joint does not allow",
+        value: |r| Some(r.constraint.as_ref()?.max_velocity),
+    },
+    Metric {
+        name: "momentum.max_relative_error",
+        unit: "of its scale",
+        summary: "largest error of a conserved component of momentum",
+        value: |r| Some(r.momentum.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "start.relative_energy",
+        unit: "of the energy scale",
+        summary: "difference between the energy of the engine's first state and the scene's",
+        value: |r| Some(r.start.as_ref()?.relative_energy),
+    },
+    Metric {
+        name: "time.us_per_step",
+        unit: "µs",
+        summary: "processor time a step, median of the repeats",
+        value: |r| Some(r.time.as_ref()?.us_per_step),
+    },
+    Metric {
+        name: "time.s_per_simulated_s",
+        unit: "",
+        summary: "processor time for a simulated second",
+        value: |r| Some(r.time.as_ref()?.s_per_simulated_s),
+    },
+];

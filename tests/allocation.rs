@@ -1,0 +1,50 @@
+//! No allocation inside a step.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System as Heap};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::*;
+use nalgebra::Vector3;
+use rattlebench::engines::{self, Spec};
+use rattlebench::model::JointKind::*;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { Heap.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { Heap.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// One test in the file, so that no other thread allocates meanwhile.
+#[test]
+fn a_step_allocates_nothing() {
+    let joints = [Revolute, Spherical, Prismatic, Planar, Floating].map(|kind| (kind, Vector3::new(0.1, 1.0, 0.2)));
+    let mut damped = chain(&joints);
+    damped.model.joints[1].damping = 0.01;
+    for (scene, text) in [(chain(&joints), "rattle"), (chain(&joints), "rattle:order=8"), (damped, "rattle")] {
+        let system = compile(&scene);
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        let mut engine = engines::build(&Spec::parse(text).unwrap(), &system, 1e-3).unwrap();
+        let mut state = system.initial.clone();
+        let built = ALLOCATIONS.load(Ordering::Relaxed);
+        assert!(built > before, "the counter counts");
+        for _ in 0..100 {
+            engine.step().unwrap();
+            engine.write_state(&mut state);
+        }
+        assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - built, 0, "{text}");
+    }
+}

@@ -1,0 +1,169 @@
+//! What rapier holds is our system: its state, its masses, its forces and its joints.
+
+use nalgebra::{DVector, Vector3};
+use rattlebench::engines::rapier::{Held, hold};
+use rattlebench::mechanics::{State, System, energy};
+
+use crate::forward_dynamics::{Constraint, accelerations, velocities};
+use crate::runs::{after, difference, spec};
+use crate::scenes;
+
+const IMPULSE: &str = "rapier:precision=f64";
+const MULTIBODY: &str = "rapier:precision=f64,joints=multibody";
+/// One substep, with impulses that are solved to the end and joints that do not yield.
+const IMPULSE_CONVERGED: &str = "rapier:precision=f64,substeps=1,iterations=3000,stabilization=0,softness_hz=1e12";
+const MULTIBODY_ONE_SUBSTEP: &str = "rapier:precision=f64,joints=multibody,substeps=1";
+
+fn held(text: &str, system: &System) -> Held {
+    hold(&spec(text), system, 1e-3).expect("rapier takes the system")
+}
+
+#[test]
+fn rapier_starts_in_our_state_to_the_precision_of_its_floats() {
+    for (text, bound) in [
+        (IMPULSE, 4e-16),                                  // measured 1.2e-16
+        (MULTIBODY, 5e-15),                                // measured 1.9e-15
+        ("rapier:precision=f32", 3e-7),                    // measured 1.3e-7
+        ("rapier:precision=f32,joints=multibody", 2.5e-6), // measured 1.0e-6
+    ] {
+        for system in scenes::all() {
+            let error = difference(&held(text, &system).state, &system.initial);
+            assert!(error <= bound, "{text}, {}: {error:e}", system.name);
+        }
+    }
+}
+
+/// Linear momentum, then angular momentum about the world's origin.
+fn total_momentum(system: &System, state: &State) -> [Vector3<f64>; 2] {
+    let mut total = [Vector3::zeros(); 2];
+    for (body, s) in system.bodies.iter().zip(&state.bodies) {
+        let spin = s.attitude * body.inertia.component_mul(&s.attitude.inverse_transform_vector(&s.angular_velocity));
+        total[0] += body.mass * s.velocity;
+        total[1] += s.position.cross(&(body.mass * s.velocity)) + spin;
+    }
+    total
+}
+
+/// The largest relative difference of masses, energies and momenta between a system and what rapier holds.
+fn mechanical_difference(system: &System, held: &Held) -> f64 {
+    let theirs = held.as_system(system);
+    let (e, f) = (energy::energy(system, &system.initial), energy::energy(&theirs, &held.state));
+    let (p, q) = (total_momentum(system, &system.initial), total_momentum(&theirs, &held.state));
+    let mut worst = [
+        (e.kinetic - f.kinetic).abs() / system.energy_scale,
+        (e.potential - f.potential).abs() / system.energy_scale,
+        (theirs.energy_scale / system.energy_scale - 1.0).abs(),
+        (p[0] - q[0]).norm() / p[0].norm(),
+        (p[1] - q[1]).norm() / p[1].norm(),
+    ]
+    .into_iter()
+    .fold(0.0, f64::max);
+    for (ours, theirs) in system.bodies.iter().zip(&held.bodies) {
+        assert_eq!((theirs.com, theirs.axes.angle()), (Vector3::zeros(), 0.0), "{}", ours.name);
+        let mass = (theirs.mass / ours.mass).add_scalar(-1.0).amax();
+        let inertia = theirs.inertia.component_div(&ours.inertia).add_scalar(-1.0).amax();
+        worst = worst.max(mass).max(inertia);
+    }
+    worst
+}
+
+#[test]
+fn masses_energies_and_momenta_that_rapier_holds_are_ours() {
+    for system in scenes::all() {
+        for text in [IMPULSE, MULTIBODY] {
+            let error = mechanical_difference(&system, &held(text, &system));
+            // measured 2.5e-15
+            assert!(error <= 6e-15, "{text}, {}: {error:e}", system.name);
+        }
+    }
+}
+
+#[test]
+fn an_inertia_that_is_one_percent_off_is_seen() {
+    for system in scenes::all() {
+        let mut off = system.clone();
+        off.bodies[0].inertia *= 1.01;
+        for text in [IMPULSE, MULTIBODY] {
+            assert!(mechanical_difference(&off, &held(text, &system)) > 1e-3, "{text}, {}", system.name);
+        }
+    }
+}
+
+/// `(v1 - v0) / h` of one step, extrapolated to `h = 0` from `h`, `h/2` and `h/4`.
+fn measured_accelerations(text: &str, system: &System, h: f64) -> DVector<f64> {
+    let quotient = |h: f64| (velocities(&after(text, system, h, 1)) - velocities(&after(text, system, h, 0))) / h;
+    (quotient(h) - 6.0 * quotient(0.5 * h) + 8.0 * quotient(0.25 * h)) / 3.0
+}
+
+/// Relative difference between the accelerations that rapier shows and those of the dense system.
+fn acceleration_error(text: &str, rapier: &System, dense: &System, h: f64, constraint: Constraint) -> f64 {
+    let exact = accelerations(dense, &dense.initial, constraint);
+    (measured_accelerations(text, rapier, h) - &exact).norm() / exact.norm()
+}
+
+fn constraint_of(text: &str) -> Constraint {
+    if text.contains("multibody") { Constraint::Exact } else { Constraint::Frozen }
+}
+
+#[test]
+fn initial_accelerations_are_those_of_the_dense_equations_of_motion() {
+    for system in scenes::all() {
+        for (text, h) in [(IMPULSE_CONVERGED, 1e-3), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
+            for (name, system) in [("moving", system.clone()), ("at rest", scenes::at_rest(&system))] {
+                let error = acceleration_error(text, &system, &system, h, constraint_of(text));
+                // measured 2.9e-9 with impulse joints, 3.9e-10 with multibody joints, 6e-15 of these at rest
+                assert!(error <= 8e-9, "{text}, {} {name}: {error:e}", system.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn dampers_add_their_force_to_the_initial_accelerations() {
+    for system in scenes::all() {
+        let damped = scenes::damped(&system, 0.02);
+        for (text, h) in [(IMPULSE_CONVERGED, 1e-3), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
+            let error = acceleration_error(text, &damped, &damped, h, constraint_of(text));
+            // measured 2.9e-9
+            assert!(error <= 8e-9, "{text}, {}: {error:e}", system.name);
+        }
+    }
+}
+
+#[test]
+fn accelerations_see_one_percent_of_mass_and_inertia_and_two_millimetres_of_a_joint() {
+    for system in scenes::all() {
+        let mut heavy = system.clone();
+        for body in &mut heavy.bodies {
+            (body.mass, body.inertia.x) = (0.99 * body.mass, 1.01 * body.inertia.x);
+        }
+        let mut shifted = system.clone();
+        for body in &mut shifted.bodies {
+            body.joint.in_child.translation.vector += Vector3::new(0.002, 0.001, -0.001);
+        }
+        for (text, h) in [(IMPULSE_CONVERGED, 1e-3), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
+            for wrong in [&heavy, &shifted] {
+                let seen = acceleration_error(text, &system, wrong, h, constraint_of(text));
+                let free = system.bodies.len() == 1 && std::ptr::eq(wrong, &shifted);
+                // measured at least 7.4e-4
+                assert!(free || seen > 5e-4, "{text}, {}: {seen:e}", system.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn runs_converge_to_those_of_the_variational_core_at_first_order() {
+    let time = 0.02;
+    for system in scenes::all() {
+        let exact = after("rattle", &system, time / 2000.0, 2000);
+        for text in [IMPULSE_CONVERGED, MULTIBODY_ONE_SUBSTEP] {
+            let error = |steps: u32| difference(&after(text, &system, time / f64::from(steps), steps), &exact);
+            let (coarse, fine) = (error(100), error(400));
+            let order = (coarse / fine).log(4.0);
+            // measured 1.9e-4
+            assert!(fine <= 4e-4, "{text}, {}: {fine:e}", system.name);
+            assert!((order - 1.0).abs() <= 0.05, "{text}, {}: order {order}", system.name);
+        }
+    }
+}

@@ -84,21 +84,15 @@ fn moving(name: &str, floating: bool, tree: &Tree) -> System {
     } else {
         Base::Fixed
     };
+    let model =
+        Model { name: name.into(), links: links.collect(), joints: joints.collect(), ignored: vec![], remarks: vec![] };
     common::compile(&Scene {
-        name: name.into(),
-        description: String::new(),
-        model: Model {
-            name: name.into(),
-            links: links.collect(),
-            joints: joints.collect(),
-            ignored: vec![],
-            remarks: vec![],
-        },
         gravity: Vector3::new(1.0, -2.0, -9.0),
         base,
         initial: initial.collect(),
         duration: 1.0,
         steps: vec![1e-3],
+        ..Scene::of_model(name, model)
     })
 }
 

@@ -4,6 +4,7 @@
 //! manifold of the joints. Its linear algebra is the tree recursion of [`tree`]; a body turns by [`rotation`].
 
 mod compensated;
+#[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
 mod joints;
 mod newton;

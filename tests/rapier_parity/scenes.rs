@@ -101,14 +101,13 @@ fn moving(name: &str, floating: bool, tree: &Tree) -> System {
     };
     let model =
         Model { name: name.into(), links: links.collect(), joints: joints.collect(), ignored: vec![], remarks: vec![] };
-    let gravity = Vector3::new(1.0, -2.0, -9.0);
     common::compile(&Scene {
-        name: name.into(),
-        model,
-        gravity,
+        gravity: Vector3::new(1.0, -2.0, -9.0),
         base,
         initial: initial.collect(),
-        ..common::chain(&[])
+        duration: 1.0,
+        steps: vec![1e-3],
+        ..Scene::of_model(name, model)
     })
 }
 

@@ -147,14 +147,9 @@ fn one_step_errors(
     ]))
 }
 
-/// Order from pairs of step and error with the roundoff of the error: the slope of the logarithms, less one, over the
+/// Order from triples of step, error and the roundoff of the error: the slope of the logarithms, less one, over the
 /// smallest steps that stand clear of roundoff. NaN where fewer than four do.
 pub fn fitted_order(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
-    slope(errors) - 1.0
-}
-
-/// Slope of `log error` over `log h`, as in [`fitted_order`].
-pub fn slope(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let clear: Vec<(f64, f64)> = errors
         .take_while(|(_, error, roundoff)| *error > CLEAR_OF_ROUNDOFF * roundoff)
         .map(|(h, error, _)| (h.ln(), error.ln()))
@@ -167,7 +162,7 @@ pub fn slope(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let mean_x = points.iter().map(|p| p.0).sum::<f64>() / count;
     let mean_y = points.iter().map(|p| p.1).sum::<f64>() / count;
     let covariance: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
-    covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
+    covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>() - 1.0
 }
 
 /// Order of any map of T*R^n against the motion that it approximates, with or without forces and constraints: the slope

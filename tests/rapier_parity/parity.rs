@@ -166,7 +166,7 @@ fn accelerations_see_one_percent_of_mass_and_inertia_and_two_millimetres_of_a_jo
 fn runs_converge_to_those_of_the_variational_core_at_first_order() {
     let time = 0.02;
     for system in scenes::all_and_shipped() {
-        let exact = after("rattle", &system, time / 400.0, 400);
+        let exact = after("rattle", &system, time / 2000.0, 2000);
         for text in [IMPULSE_CONVERGED, MULTIBODY_ONE_SUBSTEP] {
             let text = text.replace("iterations=3000", "iterations=600");
             let error = |steps: u32| difference(&after(&text, &system, time / f64::from(steps), steps), &exact);

@@ -9,10 +9,14 @@
 //!    is at least half of the band, the median half-width `(max - min) / 2` of a group;
 //! 4. else by the exponent `p` of the spread: with `r(t)` the largest minus the smallest error up to `t`, `p` is the
 //!    least-squares slope of `log r` against `log t` over the last seven eighths of the run. An error that stays in a band has
-//!    `p = 0`, a random walk 1/2, a steady drift 1: `bounded` below 1/4, `random_walk` below 3/4, `drift` above.
+//!    `p = 0`, a random walk 1/2, a steady drift 1: `bounded` below 1/4, `random_walk` below 3/4, `drift` above;
+//! 5. but `bounded` where fewer than a fifth of those groups widened the spread: what grows widens it again and again,
+//!    while an error that depends on where a chaotic motion happens to be widens it in a few leaps.
 //!
-//! What the rule does not promise: a drift whose change over the run is smaller than half of the band is not seen, and one
-//! random walk in four is taken for another law (759 of 1000 are called by their name in the test below).
+//! What the rule does not promise: a drift whose change over the run is smaller than half of the band is not seen; of 1000
+//! random walks in the tests below 711 are called by their name, and of 1000 series of random bursts 898 are called bounded.
+//! A run of few swings misleads: RATTLE at 10 ms on the shipped double pendulum is `random_walk` over 10 s (`p` = 0.44, a slow
+//! modulation) and `bounded` over 100 s and 1000 s (`p` = 0.15 and 0.01).
 
 use serde::{Deserialize, Serialize};
 
@@ -79,7 +83,7 @@ pub fn growth(stretches: &[Stretch], diverged: bool) -> Option<Growth> {
         return None;
     }
     let line = Line::through(&centres(&groups), &groups.iter().map(|g| g.error.mean).collect::<Vec<_>>());
-    let exponent = spread_exponent(&groups);
+    let spread = spread(&groups);
     let amplitude = groups.iter().map(|g| g.error.amplitude()).fold(0.0, f64::max);
     let duration = groups[groups.len() - 1].to;
     let verdict = if diverged || amplitude > BLOW_UP {
@@ -89,13 +93,14 @@ pub fn growth(stretches: &[Stretch], diverged: bool) -> Option<Growth> {
     } else if line.explained >= 0.95 && (line.slope * duration).abs() >= 0.5 * band(&groups) {
         Verdict::Drift
     } else {
-        match exponent {
-            Some(p) if p >= 0.75 => Verdict::Drift,
-            Some(p) if p >= 0.25 => Verdict::RandomWalk,
+        match &spread {
+            Some(spread) if spread.widened < 0.2 => Verdict::Bounded,
+            Some(spread) if spread.exponent >= 0.75 => Verdict::Drift,
+            Some(spread) if spread.exponent >= 0.25 => Verdict::RandomWalk,
             _ => Verdict::Bounded,
         }
     };
-    Some(Growth { slope_per_s: line.slope, exponent, verdict })
+    Some(Growth { slope_per_s: line.slope, exponent: spread.map(|s| s.exponent), verdict })
 }
 
 /// Joins neighbours until at most [`MAX_GROUPS`] are left. A remainder that is shorter than a group is joined to the last.
@@ -129,20 +134,34 @@ fn centres(groups: &[Stretch]) -> Vec<f64> {
     starts.zip(groups).map(|(from, g)| 0.5 * (from + g.to)).collect()
 }
 
-/// Slope of `log r(t)` against `log t` where `t` is at least an eighth of the run.
-fn spread_exponent(groups: &[Stretch]) -> Option<f64> {
+/// How the largest minus the smallest error so far grows over the last seven eighths of a run.
+struct Spread {
+    /// Slope of its logarithm against that of time.
+    exponent: f64,
+    /// Part of the groups that widened it.
+    widened: f64,
+}
+
+/// `None` where there is no spread, or too few groups.
+fn spread(groups: &[Stretch]) -> Option<Spread> {
     let begin = groups.last()?.to / 8.0;
     // The error is 0 at t = 0.
     let mut range = (0.0f64, 0.0f64);
+    let mut widened = 0;
     let (mut times, mut spreads) = (Vec::new(), Vec::new());
     for group in groups {
-        range = (range.0.min(group.error.min), range.1.max(group.error.max));
-        if group.to >= begin * (1.0 - 1e-9) && range.1 > range.0 {
+        let wider = (range.0.min(group.error.min), range.1.max(group.error.max));
+        if group.to >= begin * (1.0 - 1e-9) && wider.1 > wider.0 {
+            widened += usize::from(wider != range);
             times.push(group.to.ln());
-            spreads.push((range.1 - range.0).ln());
+            spreads.push((wider.1 - wider.0).ln());
         }
+        range = wider;
     }
-    (times.len() >= MIN_GROUPS - 1).then(|| Line::through(&times, &spreads).slope)
+    (times.len() >= MIN_GROUPS - 1).then(|| Spread {
+        exponent: Line::through(&times, &spreads).slope,
+        widened: widened as f64 / times.len() as f64,
+    })
 }
 
 /// A straight line by least squares.
@@ -232,13 +251,32 @@ mod tests {
     #[test]
     fn random_walks_are_mostly_called_so_and_noise_never() {
         let called = |verdict| (1..=1000).filter(|&seed| of(walk(seed)).verdict == verdict).count();
-        // measured 759 random walks, 126 drifts, 115 bounded
-        assert!(called(Verdict::RandomWalk) > 700, "{}", called(Verdict::RandomWalk));
+        // measured 711 random walks, 126 drifts, 163 bounded
+        assert!(called(Verdict::RandomWalk) > 650, "{}", called(Verdict::RandomWalk));
         let white = |seed| {
             let mut next = noise(seed);
             of(move |_| 1e-10 * next()).verdict
         };
         assert!((1..=1000).all(|seed| white(seed) == Verdict::Bounded));
+    }
+
+    /// Bursts of very different height at random times, as a chaotic motion makes them.
+    #[test]
+    fn bursts_are_mostly_bounded() {
+        let bursts = |seed| {
+            let (mut next, mut height, mut left) = (noise(seed), 0.0, 0);
+            of(move |_| {
+                if left == 0 {
+                    left = 20 + (180.0 * next().abs()) as u32;
+                    height = 1e-8 * (2.0 * (next() + next() + next())).exp();
+                }
+                left -= 1;
+                height * (1.0 + 0.1 * next())
+            })
+        };
+        let called = |verdict| (1..=1000).filter(|&seed| bursts(seed).verdict == verdict).count();
+        // measured 898 bounded, 91 drifts, 11 random walks; 271 bounded without rule 5
+        assert!(called(Verdict::Bounded) > 850, "{}", called(Verdict::Bounded));
     }
 
     #[test]

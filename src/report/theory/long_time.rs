@@ -70,7 +70,7 @@ pub(super) fn section(rows: &[LongTimeRecord]) -> Result<Section, ChartError> {
     };
     let finding = format!(
         "All {} variational methods hold the angular momentum to {} and the symplectic form to {}; RK4 errs there by {} and \
-         {}. The energy drifts over the run by at most {} of its largest error; that of RK4 by {} of it.",
+         {}. The ratio of energy drift to largest energy error is at most {} for them and {} for RK4.",
         rows.iter().filter(|r| r.variational).count(),
         worst(true, |r| r.momentum_error),
         worst(true, |r| r.symplecticity_defect),

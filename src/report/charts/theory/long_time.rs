@@ -70,9 +70,9 @@ pub fn draw(rows: &[LongTimeRecord]) -> Result<Vec<u8>, ChartError> {
             }
             let ink = style::font(style::NOTE, INK).pos(Pos::new(HPos::Left, VPos::Center));
             area.draw(&Text::new(row.method, (at(24), middle), ink))?;
-            // The larger markers below: where two figures agree both are seen.
-            for quantity in QUANTITIES.iter().rev() {
-                let place = (column(x, (quantity.value)(row)), middle);
+            // Every other quantity stands a little lower: where two figures agree both are seen.
+            for (i, quantity) in QUANTITIES.iter().enumerate() {
+                let place = (column(x, (quantity.value)(row)), middle + if i % 2 == 0 { -at(4) } else { at(4) });
                 draw_marker(area, place, quantity.look, false)?;
             }
         }

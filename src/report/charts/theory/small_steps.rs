@@ -23,7 +23,7 @@ pub fn draw(problems: &[SmallStepsRecord]) -> Result<Vec<u8>, ChartError> {
                     difference is below roundoff and reads 0."
             .to_string();
     if steps().any(|s| s.blown_up == 0.0) {
-        note += " Points on the lower edge: no error at all.";
+        note += " A point on the lower edge: an error of exactly 0.";
     }
     canvas::render(|area| {
         let area =

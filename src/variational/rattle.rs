@@ -11,9 +11,11 @@
 //! G(q1) M^-1 p1 = 0                               the twists fit: this fixes lambda1      (5)
 //! ```
 //!
-//! (3) is solved by a chord iteration with the articulated-body factorisation at `q0`, which is the one
-//! that (5) of the step before has made: one factorisation a step. The multipliers live in the joints as wrench impulses
-//! `h/2 lambda`; the next step starts from their extrapolation in the child's body frame.
+//! (3) is solved by a chord iteration with the articulated-body factorisation at `q0`, which is the one that (5) of the step
+//! before has made: one factorisation a step. The multipliers live in the joints as wrench impulses `h/2 lambda`; the next
+//! step starts from their extrapolation in the child's body frame. Where the iteration does not contract, as in a whip with
+//! `h |Omega|` near 1, it goes on with the exact linearisation. `phi(q1)` is computed from the motions of the step, not from
+//! the difference of positions, and the iteration ends at the roundoff of the motions: small steps do not cancel.
 //!
 //! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
 //! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
@@ -92,10 +94,10 @@ pub struct Rattle {
     pose: Vec<Pose>,
     places: Vec<Place>,
     tree: Tree,
-    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
-    damped: Option<Tree>,
     /// The part of the joints' mismatch there that the next step takes away.
     gap0: Vec<Twist>,
+    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
+    damped: Option<Tree>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,

@@ -292,9 +292,9 @@ impl Rattle {
             };
             trial.hm = hm;
             trial.motion.s = pose.r * trial.s;
-            trial.roundoff = trial.motion.dx.amax()
-                + self.length * hm.amax() / node.inertia.min()
-                + self.wrench[i].linear.amax() * (h.abs() / node.mass);
+            trial.roundoff = trial.motion.dx.norm()
+                + self.length * hm.norm() / node.inertia.min()
+                + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
         Ok(())
     }
@@ -308,15 +308,16 @@ impl Rattle {
             let parent = &self.trial[node.parent].motion;
             let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
             let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let mut size = gap.linear.amax() + self.length * gap.angular.amax();
+            let mut size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
             if node.damping > 0.0 {
                 self.travel[i] = moved.travel(node, place, parent);
                 self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
-                size += h.abs() * self.along[i].amax() * self.compliance(i);
+                size += h.abs() * self.along[i].norm() * self.compliance(i);
             }
-            if !(size <= worst) {
-                (worst, joint) = (size, i - 1);
+            // What is not a number stays the worst.
+            if size > worst || !(size + trial.roundoff).is_finite() {
+                (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
             }
             roundoff = trial.roundoff.max(roundoff);
         }

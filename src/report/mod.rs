@@ -12,5 +12,6 @@ pub mod number;
 pub mod page;
 pub mod record;
 pub mod table;
+pub mod theory;
 
 pub use record::Report;

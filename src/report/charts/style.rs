@@ -60,13 +60,13 @@ pub enum Marker {
 }
 
 // The palette of Okabe and Ito, without its yellow, which is too pale on white.
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const SKY: RGBColor = RGBColor(86, 180, 233);
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-const ORANGE: RGBColor = RGBColor(230, 159, 0);
-const PURPLE: RGBColor = RGBColor(204, 121, 167);
-const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub const SKY: RGBColor = RGBColor(86, 180, 233);
+pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+pub const BLACK: RGBColor = RGBColor(0, 0, 0);
 
 // Three more for when those are taken.
 const BROWN: RGBColor = RGBColor(122, 62, 16);

@@ -302,7 +302,8 @@ impl Rattle {
     /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
     /// the system's length), and how small roundoff lets it become.
     fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
-        let (mut worst, mut joint, mut roundoff) = (0.0, 0, 0.0_f64);
+        // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
+        let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;

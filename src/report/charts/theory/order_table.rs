@@ -74,7 +74,7 @@ fn cells(area: &Area, row: &OrderRecord, left: u32, top: u32) -> Result<(), Char
             INK
         };
         let centre = (at(x + CELL / 2), at(top + ROW / 2));
-        area.draw(&Text::new(format!("{order:.2}"), centre, centred(style::font(style::NOTE, colour))))?;
+        area.draw(&Text::new(format!("{:.2}", order + 0.0), centre, centred(style::font(style::NOTE, colour))))?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use super::super::charts::{
     ChartError,
     theory::{convergence, order_table},
 };
-use super::super::number::plain;
+use super::super::number::{plain, two_decimals};
 use super::super::page::Picture;
 use super::{Data, Section, Table, Topic, cell, finite};
 use crate::discrete::methods::METHODS;
@@ -140,11 +140,12 @@ pub(super) fn section(problems: &[OrdersRecord]) -> Result<Section, ChartError> 
     let rows = || problems.iter().flat_map(|p| &p.methods);
     let deviations = rows().flat_map(|r| r.measured.list().into_iter().zip(r.theory.list()));
     let deviations: Vec<f64> = deviations.filter_map(|(m, t)| Some((m? - t?).abs())).collect();
-    let lower = rows().filter(|r| r.theory.legendre_plus < r.theory.map).count();
+    let lower = rows().filter(|r| r.measured.legendre_plus < r.measured.map.map(|order| order - 0.5)).count();
     let finding = format!(
-        "All {} measured orders are within {} of theory; the discrete Legendre transforms F± have one order less than L_d \
+        "{} of {} orders could be measured, all within {} of theory; the discrete Legendre transforms F± have one order less than L_d \
          and the map in {lower} of {} cases.",
         deviations.len(),
+        4 * rows().count(),
         plain(deviations.iter().copied().fold(0.0, f64::max), 2),
         rows().count(),
     );
@@ -176,7 +177,7 @@ pub(super) fn section(problems: &[OrdersRecord]) -> Result<Section, ChartError> 
 fn order_columns(problem: &OrdersRecord) -> Table {
     let row = |r: &OrderRecord| {
         let figures = r.measured.list().into_iter().zip(r.theory.list());
-        let cells = figures.map(|(m, t)| format!("{} ({})", cell(m, |x| format!("{x:.2}")), cell(t, |x| plain(x, 1))));
+        let cells = figures.map(|(m, t)| format!("{} ({})", cell(m, two_decimals), cell(t, |x| plain(x, 1))));
         [r.method.to_string(), r.equation.to_string()].into_iter().chain(cells).collect()
     };
     Table {

@@ -1,5 +1,6 @@
 //! `convergence.png`: the error of one step of the map and of F+ against the step size, for one method of each order.
 
+use super::super::super::number::two_decimals;
 use super::super::super::theory::{ErrorRecord, OrderRecord, OrdersRecord};
 use super::super::axis::Axis;
 use super::super::canvas::{self, ChartError};
@@ -18,7 +19,7 @@ const METHODS: [(&str, Look); 6] = [
 ];
 
 /// Errors below this are roundoff of the solves and not shown.
-const FLOOR: f64 = 1e-14;
+const FLOOR: f64 = 3e-14;
 
 /// A panel: what errs, and its measured order.
 struct Subject {
@@ -67,7 +68,7 @@ pub fn draw(problem: &OrdersRecord) -> Result<Vec<u8>, ChartError> {
                 panel.line(&points, *look, 2, false)?;
                 points.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
                 if let (Some(order), Some(point)) = ((subject.order)(row), points.last()) {
-                    labels.push(Label { point: *point, words: format!("{order:.2}"), look: *look });
+                    labels.push(Label { point: *point, words: two_decimals(order), look: *look });
                 }
                 lines.push(points);
             }

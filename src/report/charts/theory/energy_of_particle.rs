@@ -26,10 +26,11 @@ pub fn draw(record: &EnergyRecord, title: &str) -> Result<Vec<u8>, ChartError> {
     let end = record.curves.iter().flat_map(|c| &c.time_s).copied().fold(0.0, f64::max);
     let looks: Vec<(&str, Look)> = record.curves.iter().map(|c| c.method).zip(LOOKS).collect();
     let step = record.curves.iter().find_map(|c| c.step_s).unwrap_or_default();
-    let subtitle = format!("Particle in the plane, V = |q|²(|q|² − 1)², step {} s, one step in 16", plain(step, 3));
+    let subtitle = format!("Both methods at a step of {} s; one step in 16 is shown", plain(step, 3));
     canvas::render(|area| {
         let area = legend::frame(area, title, &subtitle, &looks, &[])?;
-        let words = Words { heading: "", x: "time, s", y: Some("energy, J") };
+        let words =
+            Words { heading: "particle in the plane, V = |q|²(|q|² − 1)²", x: "time, s", y: Some("energy, J") };
         let panel = Panel::new(&area, Axis::Linear { from: 0.0, to: end }, y, words)?;
         // The truth last: it must be seen where a method lies on it.
         for (turn, (curve, look)) in record.curves.iter().zip(LOOKS).enumerate().rev() {

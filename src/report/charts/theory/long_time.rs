@@ -54,12 +54,13 @@ pub fn draw(rows: &[LongTimeRecord]) -> Result<Vec<u8>, ChartError> {
     let values = rows.iter().flat_map(|r| QUANTITIES.iter().map(|q| (q.value)(r)));
     let x = Axis::decades(values, -17, 2).unwrap_or(Axis::Log { from: -17, to: 0 });
     let looks: Vec<(&str, Look)> = QUANTITIES.iter().map(|q| (q.name, q.look)).collect();
-    let title = "What is conserved over 2000 steps";
-    let subtitle = "Particle in a radial potential, step 0.1 s; further left is better. RK4, which is not variational, is \
+    let length = rows.first().map(|r| format!("{} steps of {} s", r.steps, r.step_s)).unwrap_or_default();
+    let title = format!("What is conserved over {length}");
+    let subtitle = "Particle in a radial potential; further left is better. RK4, which is not variational, is \
                     the last row";
     let bottom = ABOVE + ROW * rows.len() as u32;
     canvas::render_of_height(bottom + BELOW, |area| {
-        legend::frame(area, title, subtitle, &looks, &[])?;
+        legend::frame(area, &title, subtitle, &looks, &[])?;
         grid(area, x, bottom)?;
         for (k, row) in rows.iter().enumerate() {
             let middle = at(ABOVE + k as u32 * ROW + ROW / 2);
@@ -69,7 +70,8 @@ pub fn draw(rows: &[LongTimeRecord]) -> Result<Vec<u8>, ChartError> {
             }
             let ink = style::font(style::NOTE, INK).pos(Pos::new(HPos::Left, VPos::Center));
             area.draw(&Text::new(row.method, (at(24), middle), ink))?;
-            for quantity in &QUANTITIES {
+            // The larger markers below: where two figures agree both are seen.
+            for quantity in QUANTITIES.iter().rev() {
                 let place = (column(x, (quantity.value)(row)), middle);
                 draw_marker(area, place, quantity.look, false)?;
             }

@@ -3,6 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::super::super::number::two_decimals;
 use super::super::super::theory::{OrderRecord, OrdersRecord};
 use super::super::canvas::{self, Area, ChartError};
 use super::super::legend;
@@ -17,12 +18,12 @@ const GAP: u32 = 20;
 const LEFT: u32 = 24;
 /// Heights of what is above and below the rows.
 const ABOVE: u32 = 160;
-const BELOW: u32 = 46;
+const BELOW: u32 = 58;
 
 const COLUMNS: [&str; 4] = ["L_d", "F−", "F+", "map"];
 /// The highest order of the list has the deepest shade.
 const HIGHEST: f64 = 8.0;
-/// A measured order further from theory than this is set in another colour.
+/// The cell of a measured order further from theory than this has another colour.
 const TOLERANCE: f64 = 0.15;
 
 pub fn draw(problems: &[OrdersRecord]) -> Result<Vec<u8>, ChartError> {
@@ -32,7 +33,7 @@ pub fn draw(problems: &[OrdersRecord]) -> Result<Vec<u8>, ChartError> {
         .map_or(vec![], |p| p.methods.iter().map(|r| r.method).collect());
     let subtitle = "Order r: an error of O(h^(r+1)) in one step. Deeper shade, higher order";
     let note =
-        format!("Orange red where further than {TOLERANCE} from theory. Empty: not defined for this mass matrix.");
+        format!("Orange where further than {TOLERANCE} from theory. Empty: the method needs a constant mass matrix.");
     canvas::render_of_height(ABOVE + ROW * names.len() as u32 + BELOW, |area| {
         legend::frame(area, "Measured orders of all methods", subtitle, &[], &[note])?;
         for (i, problem) in problems.iter().enumerate() {
@@ -62,19 +63,14 @@ fn cells(area: &Area, row: &OrderRecord, left: u32, top: u32) -> Result<(), Char
     for (j, (measured, theory)) in row.measured.list().into_iter().zip(row.theory.list()).enumerate() {
         let Some(order) = measured else { continue };
         let x = left + j as u32 * CELL;
-        let shade = BLUE.mix(0.06 + 0.74 * (order / HIGHEST).clamp(0.0, 1.0));
+        let far = !theory.is_some_and(|t| (order - t).abs() <= TOLERANCE);
+        let depth = 0.06 + 0.74 * (order / HIGHEST).clamp(0.0, 1.0);
+        let shade = if far { VERMILLION.mix(0.45) } else { BLUE.mix(depth) };
         let corners = [(at(x + 1), at(top + 1)), (at(x + CELL - 1), at(top + ROW - 1))];
         area.draw(&Rectangle::new(corners, shade.filled()))?;
-        let far = !theory.is_some_and(|t| (order - t).abs() <= TOLERANCE);
-        let colour = if far {
-            VERMILLION
-        } else if order > 0.6 * HIGHEST {
-            WHITE
-        } else {
-            INK
-        };
+        let colour = if !far && order > 0.8 * HIGHEST { WHITE } else { INK };
         let centre = (at(x + CELL / 2), at(top + ROW / 2));
-        area.draw(&Text::new(format!("{:.2}", order + 0.0), centre, centred(style::font(style::NOTE, colour))))?;
+        area.draw(&Text::new(two_decimals(order), centre, centred(style::font(style::NOTE, colour))))?;
     }
     Ok(())
 }

@@ -43,10 +43,14 @@ impl<C: Constraint> Problem<C> {
             last = size;
         }
         let q1 = q0 + &w * h;
-        let g1 = self.constraint.jacobian(&q1);
-        let free = self.mass.component_mul(&w) + &kick;
-        let v1 = self.saddle(&g1, &g1, &free, &Vector::zeros(m)).rows(0, n).into_owned();
+        let v1 = self.project(&q1, &(self.mass.component_mul(&w) + &kick));
         (q1, v1)
+    }
+
+    /// `v = M^-1 (p + G(q)^T lambda)` with `G(q) v = 0`.
+    pub fn project(&self, q: &Vector, p: &Vector) -> Vector {
+        let g = self.constraint.jacobian(q);
+        self.saddle(&g, &g, p, &Vector::zeros(g.nrows())).rows(0, p.len()).into_owned()
     }
 
     /// Solves `M a - push^T b = top`, `pull a = bottom` and stacks `a` and `b`.

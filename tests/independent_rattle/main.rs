@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use dense::Problem;
 use embedding::{Rigidity, embed, gravity, mass};
+use nalgebra::{Isometry3, Vector3};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rattlebench::discrete::constrained::constrained_map;
@@ -24,7 +25,8 @@ use rattlebench::discrete::problems::Uniform;
 use rattlebench::discrete::solve::central_difference;
 use rattlebench::discrete::system::{Mechanical, SharedSystem};
 use rattlebench::discrete::{Matrix, Vector};
-use rattlebench::mechanics::System;
+use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
+use rattlebench::mechanics::{Body, Joint, JointKind, System};
 use rattlebench::variational::Rattle;
 
 /// Steps that are compared in each case: the later ones start from extrapolated multipliers.
@@ -33,38 +35,41 @@ const STEPS: usize = 3;
 /// Another way to take a step `(q0, v0) -> (q1, v1)` of a system.
 type Other<'a> = Box<dyn Fn(&Vector, &Vector, f64) -> (Vector, Vector) + 'a>;
 
-/// Largest differences: of coordinates (m, and entries of R), and of velocities over the largest velocity.
+/// Largest differences: of the coordinates (m, and entries of R), and of the momenta over the momenta, both in the norm
+/// of the kinetic energy, `|p|^2 = p^T M^-1 p = v^T M v`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Difference {
     position: f64,
-    velocity: f64,
+    momentum: f64,
 }
 
 impl Difference {
     fn larger(self, other: Difference) -> Difference {
         let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
-        Difference { position: larger(self.position, other.position), velocity: larger(self.velocity, other.velocity) }
+        Difference { position: larger(self.position, other.position), momentum: larger(self.momentum, other.momentum) }
     }
 
     fn within(&self, bound: f64) -> bool {
-        self.position <= bound && self.velocity <= bound
+        self.position <= bound && self.momentum <= bound
     }
 }
 
 /// Compares a few steps of the core with steps that the other way takes from the same states.
 fn difference(system: &System, h: f64, other: &Other) -> Difference {
+    let m = mass(system);
+    let norm = |v: &Vector| v.dot(&m.component_mul(v)).sqrt();
     let mut rattle = Rattle::new(system).unwrap();
     let mut state = system.initial.clone();
     let mut worst = Difference::default();
     rattle.write_state(&mut state);
+    assert!(embed(&state).1.amax() > 0.1, "it moves");
     for _ in 0..STEPS {
         let (q0, v0) = embed(&state);
         rattle.step(h).unwrap();
         rattle.write_state(&mut state);
         let (q1, v1) = embed(&state);
         let (q, v) = other(&q0, &v0, h);
-        assert!((&q1 - &q0).amax() > 1e-2 * h.abs(), "it moves");
-        let now = Difference { position: (q - q1).amax(), velocity: (v - &v1).amax() / v1.amax().max(1.0) };
+        let now = Difference { position: (q - q1).amax(), momentum: norm(&(v - &v1)) / norm(&v1) };
         worst = worst.larger(now);
     }
     worst
@@ -72,7 +77,7 @@ fn difference(system: &System, h: f64, other: &Other) -> Difference {
 
 /// Runs a check on random trees, always the same ones.
 fn on_random_trees(cases: u32, check: impl Fn(&System, f64)) {
-    let config = Config { cases, failure_persistence: None, ..Config::default() };
+    let config = Config { cases, failure_persistence: None, max_shrink_iters: 0, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let seen = RefCell::new((HashSet::new(), HashSet::new()));
     runner
@@ -135,24 +140,26 @@ fn example() -> System {
 fn one_step_solves_the_equations_of_rattle_as_printed() {
     let worst = largest_difference(256, printed);
     println!("{worst:?}");
-    assert!(worst.within(1e-12), "{worst:?}");
+    // measured 2.9e-14 and 7.5e-14; on 4000 trees 1.2e-13 and 1.2e-12, see the projection below
+    assert!(worst.within(2e-13), "{worst:?}");
 }
 
 #[test]
 fn one_step_is_the_constrained_discrete_hamiltonian_map_of_verlet() {
     let worst = largest_difference(64, |system| discrete(system, |s| symmetrised(s, 0.0)));
     println!("{worst:?}");
-    assert!(worst.within(1e-11), "{worst:?}");
+    // measured 3.9e-15 and 6.8e-14
+    assert!(worst.within(2e-13), "{worst:?}");
 }
 
-/// Negative controls: what is slightly another map, or another system, is seen on every kind of tree.
+/// Negative controls: another system, another embedding and another discrete Lagrangian are seen.
 #[test]
 fn another_inertia_embedding_or_discrete_lagrangian_does_not_agree() {
-    let smallest = RefCell::new([f64::INFINITY; 3]);
+    let seen = RefCell::new([(0, f64::INFINITY); 3]);
     on_random_trees(64, |system, h| {
         let mut heavier = system.clone();
-        let last = heavier.bodies.len() - 1;
-        heavier.bodies[last].inertia *= 1.01;
+        heavier.bodies.iter_mut().for_each(|b| b.inertia.x *= 1.01);
+        // J in the place of Jd.
         let mut wrong = mass(system);
         for (i, body) in system.bodies.iter().enumerate() {
             for k in 0..3 {
@@ -164,15 +171,17 @@ fn another_inertia_embedding_or_discrete_lagrangian_does_not_agree() {
             printed_with(system, wrong, gravity(system)),
             discrete(system, |s| alpha(s, 0.0)),
         ];
-        let mut smallest = smallest.borrow_mut();
-        for (smallest, other) in smallest.iter_mut().zip(&others) {
+        for (seen, other) in seen.borrow_mut().iter_mut().zip(&others) {
             let found = difference(system, h, other);
-            *smallest = smallest.min(found.velocity);
+            if !found.within(1e-11) {
+                *seen = (seen.0 + 1, seen.1.min(found.position.max(found.momentum)));
+            }
         }
     });
-    let smallest = smallest.into_inner();
-    println!("{smallest:?}");
-    assert!(smallest.iter().all(|s| *s > 1e-11), "{smallest:?}");
+    let seen = seen.into_inner();
+    println!("{seen:?}");
+    // measured MEASURED
+    assert!(seen.iter().all(|(count, smallest)| *count >= 50 && *smallest >= 1e-10), "{seen:?}");
 }
 
 /// The two sides of `phi` are right: zero on the manifold, and its derivatives those of its values.
@@ -193,4 +202,51 @@ fn the_constraints_hold_where_the_joints_do_and_have_their_derivatives() {
     let errors = [(jacobian - differences).amax(), (constraint.hessian(&q, &lambda) - curvature).amax()];
     println!("{errors:?}");
     assert!(errors.iter().all(|e| *e <= 1e-12), "{errors:?}");
+}
+
+/// The projection of the momenta leaves a state on the manifold as it is. The recursion does it once, without refinement,
+/// and a light body that carries a heavy one on a planar joint loses three digits that the dense solve
+/// keeps.
+#[test]
+fn the_projection_of_the_momenta_keeps_a_state_on_the_manifold() {
+    let worst = RefCell::new([0.0_f64; 2]);
+    on_random_trees(4000, |system, _| {
+        let mut state = system.initial.clone();
+        Rattle::new(system).unwrap().write_state(&mut state);
+        let (q, v) = embed(&system.initial);
+        let problem = Problem { mass: mass(system), force: gravity(system), constraint: Rigidity::new(system) };
+        let dense = problem.project(&q, &problem.mass.component_mul(&v));
+        let mut worst = worst.borrow_mut();
+        for (worst, found) in worst.iter_mut().zip([embed(&state).1, dense]) {
+            *worst = worst.max((found - &v).amax() / v.amax());
+        }
+    });
+    let [recursion, dense] = worst.into_inner();
+    println!("recursion {recursion:e}, dense {dense:e}");
+    // measured 9.7e-12 and 1.6e-14
+    assert!(recursion <= 2.5e-11, "{recursion:e}");
+    assert!(dense <= 4e-14, "{dense:e}");
+}
+
+/// Known shortfall: a weightless system at rest, where the iteration waits for a residual below the roundoff of a motion
+/// of zero while what its joint misses by roundoff at the start is left.
+#[test]
+#[should_panic(expected = "Constraint { joint: 0")]
+fn a_weightless_pendulum_at_rest_stays_at_rest() {
+    let in_parent = Isometry3::rotation(Vector3::new(-1.9, -0.6, -0.9));
+    let in_child = Isometry3::new(Vector3::new(0.31, -0.03, -0.2), Vector3::new(0.0, 0.0, -1.1));
+    let joint =
+        Joint { name: "hinge".into(), kind: JointKind::Revolute, parent: None, in_parent, in_child, damping: 0.0 };
+    let bodies = vec![Body { name: "rod".into(), mass: 1.0, inertia: Vector3::repeat(8e-4), joint }];
+    let initial_coordinates = vec![JointCoordinates::default()];
+    let system = System {
+        name: "at rest".into(),
+        initial: forward_kinematics(&bodies, &initial_coordinates),
+        bodies,
+        gravity: Vector3::zeros(),
+        initial_coordinates,
+        energy_scale: 1.0,
+        floating_base: None,
+    };
+    Rattle::new(&system).unwrap().step(0.01).unwrap();
 }

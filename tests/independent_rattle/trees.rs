@@ -21,7 +21,7 @@ fn body(index: usize) -> impl Strategy<Value = (Body, JointCoordinates)> {
         uniform3(0.02..0.2_f64),
         (prop::sample::select(&KINDS), 0..=index),
         (frame(), frame()),
-        (uniform6(-1.0..1.0), uniform6(-3.0..3.0)),
+        (uniform6(-1.0..1.0), uniform6(prop_oneof![0.5..3.0, -3.0..-0.5])),
     )
         .prop_map(move |(exponent, spread, (kind, parent), (in_parent, in_child), (position, velocity))| {
             let mass = 10_f64.powf(exponent);

@@ -22,7 +22,7 @@ use rattlebench::model::Scene;
 const STEP: f64 = 0.01;
 
 /// Reach of the differences: rad, m, and rad/s, m/s for the momenta.
-const REACH: f64 = 2e-3;
+const REACH: f64 = 4e-3;
 
 const METHODS: [&str; 4] = ["rattle:order=2", "rattle:order=4", "rattle:order=6", "rattle:order=8"];
 
@@ -116,7 +116,7 @@ fn moving() -> Vec<(System, State)> {
     systems
         .map(|system| {
             let mut state = system.initial.clone();
-            for _ in 0..25 {
+            for _ in 0..60 {
                 state = step("rattle:order=8", &system, &state, STEP);
             }
             assert!(energy::energy(&system, &state).kinetic > 1e-3 * system.energy_scale, "{}", system.name);
@@ -132,7 +132,7 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
     for (system, state) in &systems {
         let runge_kutta = defect(system, state, |s| runge_kutta::step(system, s, STEP));
         let found = METHODS.map(|method| defect(system, state, |s| step(method, system, s, STEP)));
-        println!("{:16} {found:9.1e?} Runge-Kutta {runge_kutta:.1e}", system.name);
+        println!("{:16} {} Runge-Kutta {runge_kutta:.1e}", system.name, found.map(|d| format!("{d:.1e}")).join(" "));
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rattlebench::mechanics::{State, System, constraint, energy, momentum};
 use rattlebench::model::JointKind::{self, *};
 use rattlebench::variational::composition::{self, Composition};
-use rattlebench::variational::{Failure, Rattle};
+use rattlebench::variational::{Failure, Rattle, Rotation};
 
 /// Largest figures over every state of a run.
 struct Figures {
@@ -287,5 +287,45 @@ fn a_whip_with_long_steps_is_run_through() {
         // measured 4.3e-2 and 3.2e-3
         assert!(figures.energy <= bound);
         assert!(figures.position <= 1e-13 && figures.velocity <= 1e-12);
+    }
+}
+
+/// A top of 0.3 m at 300 rad/s about its axis: at h = 1e-2 it turns 3 rad a step, where Moser-Veselov has no solution.
+#[test]
+fn the_cayley_rule_runs_a_fast_top_at_any_step_and_has_order_two() {
+    let mut scene = chain(&[(Spherical, Vector3::x())]);
+    scene.initial[0].position = vec![0.0, -1.2, 0.0];
+    let axis: Vector3<f64> = nalgebra::Rotation3::new(Vector3::new(0.0, -1.2, 0.0)) * Vector3::x();
+    scene.initial[0].velocity = (axis * 300.0).as_slice().to_vec();
+    let system = compile(&scene);
+    let error = |h: f64| {
+        let mut rattle = Rattle::new(&system).unwrap().with_rotation(Rotation::Cayley);
+        let mut state = system.initial.clone();
+        let start = energy::energy(&system, &state).total();
+        let mut worst = 0.0_f64;
+        for _ in 0..(1.0 / h).round() as usize {
+            rattle.step(h).unwrap();
+            rattle.write_state(&mut state);
+            worst = worst.max((energy::energy(&system, &state).total() - start).abs() / system.energy_scale);
+        }
+        worst
+    };
+    let points: Vec<_> = [1e-3, 5e-4, 2.5e-4, 1.25e-4].into_iter().map(|h| (h, error(h))).collect();
+    let (order, long) = (slope(&points), error(1e-2));
+    println!("order {order:.2}, {points:?}, at 1e-2 {long:.1e}");
+    assert!((order - 2.0).abs() <= 0.1);
+    assert!(long <= 0.1);
+    let mut proper = Rattle::new(&system).unwrap();
+    assert!(matches!(proper.step(1e-2), Err(Failure::Rotation { .. })));
+}
+
+#[test]
+fn a_state_that_is_not_a_number_is_refused_by_name() {
+    for (system, body) in [(compile(&alternating(3)), 1), (tumbling(9.81), 0)] {
+        let mut state = system.initial.clone();
+        state.bodies[body].velocity.x = f64::NAN;
+        let mut rattle = Rattle::from_state(&system, &state).unwrap();
+        let failure = rattle.step(1e-3).unwrap_err();
+        assert!(matches!(failure, Failure::NotFinite { .. } | Failure::Rotation { .. }), "{failure:?}");
     }
 }

@@ -266,7 +266,7 @@ fn mw_3_7_1_forced_multipliers_and_forced_restriction_agree() {
             let residual = tangent(&a1).transpose() * (&before - at.p0);
             Ok((residual, -tangent(&a1).transpose() * at.p0_q1 * tangent(a2)))
         });
-        // measured 0.0e+00
+        // measured 0
         at_most((embed(&a2.unwrap()) - by_multipliers).amax(), 4e-16, "restriction");
     }
 }

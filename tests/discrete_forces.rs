@@ -71,9 +71,9 @@ fn mw_3_2_2_the_forced_maps_solve_the_discrete_lagrange_dalembert_equations() {
         let ld = alpha(problem.system.clone(), a);
         let q1 = &problem.q + &problem.v * H;
         let (jet, forced) = (ld.jet(&problem.q, &q1, H).unwrap(), ld.forced(&drag(), &problem.q, &q1, H).unwrap());
-        // measured 0.0e+00
+        // measured 0
         at_most((jet.d2 + forced.plus - forced.legendre.p1).amax(), 4e-16, "F+");
-        // measured 0.0e+00
+        // measured 0
         at_most((-jet.d1 - forced.minus - forced.legendre.p0).amax(), 4e-16, "F-");
     }
 }

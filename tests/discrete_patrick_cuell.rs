@@ -38,7 +38,7 @@ fn pc_2_2_the_map_has_order_one_while_the_legendre_transforms_are_not_consistent
     let q1 = &problem.q + &problem.v * 0.1;
     let by_b = lagrangian_map(&shifted, &problem.q, &q1, 0.1).unwrap();
     let without = lagrangian_map(euler.as_ref(), &problem.q, &q1, 0.1).unwrap();
-    // measured 0.0e+00
+    // measured 0
     at_most((by_b - without).amax(), 4e-16, "positions");
     let motion = Motion::of(problem.system.as_ref());
     let order = map_order(&motion, &problem.q, &problem.v, |q, p, h| hamiltonian_map(&shifted, q, p, h));
@@ -107,7 +107,7 @@ fn pc_2_4_the_blown_up_equation_joins_the_euler_lagrange_equation_and_the_discre
         let (system, q, v) = (problem.system.as_ref(), &problem.q, &problem.v);
         for a in [0.0, 0.5, 1.0] {
             let (w, rate) = blown_up_step(system, a, q, v, 0.0).unwrap();
-            // measured 0.0e+00
+            // measured 0
             at_most((w - v).amax(), 4e-16, "W");
             // measured 6.7e-16
             at_most((rate - system.acceleration(q, v).unwrap()).amax(), 2e-15, "A");

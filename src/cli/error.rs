@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::discrete::solve::SolveError;
 use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
 use crate::mechanics::CompileError;
@@ -50,6 +51,8 @@ pub enum CliError {
     Stdout(#[from] io::Error),
     #[error("{engine}: {detail}")]
     RunFailed { engine: String, detail: String },
+    #[error("{topic}: {error}")]
+    Theory { topic: &'static str, error: SolveError },
     #[error("interrupted")]
     Interrupted,
 }
@@ -60,7 +63,7 @@ impl CliError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-            CliError::RunFailed { .. } => ExitCode::from(3),
+            CliError::RunFailed { .. } | CliError::Theory { .. } => ExitCode::from(3),
             CliError::Interrupted => ExitCode::from(130),
             _ => ExitCode::from(2),
         }

@@ -14,6 +14,7 @@ mod list;
 mod progress;
 mod schema;
 mod simulate;
+mod theory;
 
 use std::process::ExitCode;
 
@@ -34,6 +35,7 @@ enum Command {
     Inspect(inspect::Args),
     Simulate(simulate::Args),
     Compare(compare::Args),
+    Theory(theory::Args),
     Generate(generate::Args),
     Chart(chart::Args),
     List(list::Args),
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Theory(args) => theory::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Chart(args) => chart::run(&args),
         Command::List(args) => list::run(&args),

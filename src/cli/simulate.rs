@@ -98,7 +98,11 @@ fn set(scene: &mut Scene, text: &str) -> Result<(), String> {
             list.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
         match numbers {
             Some(numbers) if numbers.len() == count => Ok(numbers),
-            Some(numbers) => Err(format!("joint '{name}' has {count} coordinates, got {}", numbers.len())),
+            Some(numbers) => Err(format!(
+                "joint '{name}' has {count} coordinate{}, got {}",
+                if count == 1 { "" } else { "s" },
+                numbers.len()
+            )),
             None => Err(format!("'{list}' is not a number")),
         }
     };
@@ -124,7 +128,7 @@ impl Output {
         }
         let failed = |error| CliError::Output { path: path.to_path_buf(), error };
         if path.is_dir() {
-            return Err(failed(io::ErrorKind::IsADirectory.into()));
+            return Err(failed(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")));
         }
         let (file, temporary) = files::temporary_beside(path).map_err(failed)?.into_parts();
         Ok(Output::File { rows: BufWriter::new(file), temporary, path: path.to_path_buf() })

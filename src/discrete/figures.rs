@@ -6,7 +6,7 @@ use super::flow::Motion;
 use super::force::{Force, LinearDrag};
 use super::lagrangian::{DiscreteLegendre, WithForce};
 use super::maps::hamiltonian_map_from;
-use super::methods::{METHODS, Newmark, alpha};
+use super::methods::{METHODS, Method, Newmark, alpha};
 use super::problems::{Problem, radial_particle};
 use super::solve::SolveError;
 use super::structure::symplecticity_defect;
@@ -170,19 +170,37 @@ const LONG_STEPS: usize = 2000;
 /// # Errors
 /// [`SolveError`] where a step is not found.
 pub fn long_time_table() -> Result<Vec<LongTimeRow>, SolveError> {
-    let problem = radial_particle();
     let mut rows = Vec::new();
     for method in METHODS {
-        let Some(ld) = (method.build)(problem.system.clone()) else { continue };
-        rows.push(long_run(method.name, &problem, |q, p| {
-            let guess = q + problem.system.velocity(q, p)? * LONG_STEP;
-            hamiltonian_map_from(ld.as_ref(), q, p, guess, LONG_STEP)
-        })?);
+        rows.extend(long_time_row(method)?);
     }
+    rows.push(runge_kutta_row()?);
+    Ok(rows)
+}
+
+/// One row of the table; `None` where the method is not defined for the particle.
+///
+/// # Errors
+/// [`SolveError`] where a step is not found.
+pub fn long_time_row(method: &Method) -> Result<Option<LongTimeRow>, SolveError> {
+    let problem = radial_particle();
+    let Some(ld) = (method.build)(problem.system.clone()) else { return Ok(None) };
+    long_run(method.name, &problem, |q, p| {
+        let guess = q + problem.system.velocity(q, p)? * LONG_STEP;
+        hamiltonian_map_from(ld.as_ref(), q, p, guess, LONG_STEP)
+    })
+    .map(Some)
+}
+
+/// The row of RK4, which is not symplectic.
+///
+/// # Errors
+/// [`SolveError`] where an acceleration is not found.
+pub fn runge_kutta_row() -> Result<LongTimeRow, SolveError> {
+    let problem = radial_particle();
     let motion = Motion::of(problem.system.as_ref());
     // The mass is 1: momentum and velocity are the same numbers.
-    rows.push(long_run("RK4", &problem, |q, p| runge_kutta_step(&motion, q, p, LONG_STEP))?);
-    Ok(rows)
+    long_run("RK4", &problem, |q, p| runge_kutta_step(&motion, q, p, LONG_STEP))
 }
 
 fn long_run<F>(method: &'static str, problem: &Problem, mut map: F) -> Result<LongTimeRow, SolveError>

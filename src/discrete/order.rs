@@ -66,33 +66,45 @@ pub fn theory(method: &Method, problem: &Problem) -> Orders {
     Orders { lagrangian: r, legendre_minus: legendre, legendre_plus: legendre, map: r }
 }
 
-/// The table of all methods on the two nonlinear, non-separable problems: a constant mass matrix, and one that depends
-/// on the position where the method is defined for it.
+/// The two nonlinear, non-separable problems of the table: a constant mass matrix, and one that depends on the position.
+pub fn problems() -> [Problem; 2] {
+    [coupled_wells(), double_pendulum()]
+}
+
+/// The table of all methods on both [`problems`].
 ///
 /// # Errors
 /// [`SolveError`] where the reference motion fails.
 pub fn order_table() -> Result<Vec<OrderRow>, SolveError> {
     let mut rows = Vec::new();
-    for problem in [coupled_wells(), double_pendulum()] {
+    for problem in problems() {
         for method in METHODS {
-            let Some(ld) = (method.build)(problem.system.clone()) else { continue };
-            let samples = order_samples(ld.as_ref(), &problem)?;
-            rows.push(OrderRow {
-                method: method.name,
-                equation: method.equation,
-                problem: problem.name,
-                theory: theory(method, &problem),
-                measured: Orders {
-                    lagrangian: fitted_order(samples.iter().map(|s| (s.h, s.lagrangian, f64::EPSILON))),
-                    legendre_minus: fitted_order(samples.iter().map(|s| (s.h, s.legendre_minus, f64::EPSILON / s.h))),
-                    legendre_plus: fitted_order(samples.iter().map(|s| (s.h, s.legendre_plus, f64::EPSILON / s.h))),
-                    map: fitted_order(samples.iter().map(|s| (s.h, s.map, f64::EPSILON / s.h))),
-                },
-                samples,
-            });
+            rows.extend(order_row(method, &problem)?);
         }
     }
     Ok(rows)
+}
+
+/// One row of the table; `None` where the method is not defined for the problem.
+///
+/// # Errors
+/// [`SolveError`] where the reference motion fails.
+pub fn order_row(method: &Method, problem: &Problem) -> Result<Option<OrderRow>, SolveError> {
+    let Some(ld) = (method.build)(problem.system.clone()) else { return Ok(None) };
+    let samples = order_samples(ld.as_ref(), problem)?;
+    Ok(Some(OrderRow {
+        method: method.name,
+        equation: method.equation,
+        problem: problem.name,
+        theory: theory(method, problem),
+        measured: Orders {
+            lagrangian: fitted_order(samples.iter().map(|s| (s.h, s.lagrangian, f64::EPSILON))),
+            legendre_minus: fitted_order(samples.iter().map(|s| (s.h, s.legendre_minus, f64::EPSILON / s.h))),
+            legendre_plus: fitted_order(samples.iter().map(|s| (s.h, s.legendre_plus, f64::EPSILON / s.h))),
+            map: fitted_order(samples.iter().map(|s| (s.h, s.map, f64::EPSILON / s.h))),
+        },
+        samples,
+    }))
 }
 
 /// Errors of one step over a range of step sizes: root mean squares over steps spread along the motion and its reversal,
@@ -147,14 +159,9 @@ fn one_step_errors(
     ]))
 }
 
-/// Order from pairs of step and error with the roundoff of the error: the slope of the logarithms, less one, over the
+/// Order from triples of step, error and the roundoff of the error: the slope of the logarithms, less one, over the
 /// smallest steps that stand clear of roundoff. NaN where fewer than four do.
 pub fn fitted_order(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
-    slope(errors) - 1.0
-}
-
-/// Slope of `log error` over `log h`, as in [`fitted_order`].
-pub fn slope(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let clear: Vec<(f64, f64)> = errors
         .take_while(|(_, error, roundoff)| *error > CLEAR_OF_ROUNDOFF * roundoff)
         .map(|(h, error, _)| (h.ln(), error.ln()))
@@ -167,7 +174,7 @@ pub fn slope(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let mean_x = points.iter().map(|p| p.0).sum::<f64>() / count;
     let mean_y = points.iter().map(|p| p.1).sum::<f64>() / count;
     let covariance: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
-    covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
+    covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>() - 1.0
 }
 
 /// Order of any map of T*R^n against the motion that it approximates, with or without forces and constraints: the slope

@@ -3,7 +3,7 @@
 use super::{Choice, Engine, Entry, Key, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 use crate::variational::composition;
-use crate::variational::{Failure, Rattle};
+use crate::variational::{Failure, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -11,10 +11,16 @@ static ORDER: Choice = Choice {
     summary: "order of the symmetric composition of RATTLE steps: 1, 5, 13 or 17 of them a step",
 };
 
+static ROTATION: Choice = Choice {
+    name: "rotation",
+    words: &["moser_veselov", "cayley"],
+    summary: "how bodies turn: RATTLE proper, for less than about 1 rad a step, or a rule without that limit",
+};
+
 pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
-    keys: &[Key::Choice(&ORDER)],
+    keys: &[Key::Choice(&ORDER), Key::Choice(&ROTATION)],
     build,
 };
 
@@ -35,6 +41,11 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     }
     let rattle = Rattle::new(system)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step, &names) })?;
+    let rotation = match spec.word(&ROTATION) {
+        "cayley" => Rotation::Cayley,
+        _ => Rotation::MoserVeselov,
+    };
+    let rattle = rattle.with_rotation(rotation);
     let names = (0..system.bodies.len()).map(names).collect();
     let substeps = composition.weights().map(|w| w * step).collect();
     Ok(Box::new(RattleEngine {
@@ -94,7 +105,7 @@ fn describe(failure: Failure, time: f64, step: f64, names: &dyn Fn(usize) -> (St
     match failure {
         Failure::Rotation { body, angle } => format!(
             "t = {time:.6} s: body '{}' turns by h |Omega| = {angle:.3} rad in one step of {step} s, too far for the \
-             Moser-Veselov equation; take a step below {:.1e} s",
+             Moser-Veselov equation; take a step below {:.1e} s, or rotation=cayley",
             names(body).0,
             0.5 * step / angle
         ),

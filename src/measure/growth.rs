@@ -7,12 +7,18 @@
 //! 2. `bounded` where the error never leaves the roundoff of the energy, [`ROUNDOFF`];
 //! 3. `drift` where a straight line through the means explains at least 95 % of their variance and its change over the run
 //!    is at least half of the band, the median half-width `(max - min) / 2` of a group;
-//! 4. else by the exponent `p` of the spread: with `r(t)` the largest minus the smallest error up to `t`, `p` is the
-//!    least-squares slope of `log r` against `log t` over the last seven eighths of the run. An error that stays in a band has
-//!    `p = 0`, a random walk 1/2, a steady drift 1: `bounded` below 1/4, `random_walk` below 3/4, `drift` above.
+//! 4. `bounded` where the means of eight parts of the run differ by less than one and a half times the half-width of a part:
+//!    the error may still be finding its band, but it does not leave the place where it is;
+//! 5. `bounded` where fewer than a fifth of the groups after the first eighth of the run widened the spread `r(t)`, the
+//!    largest minus the smallest error up to `t`: what grows widens it again and again, while an error that depends on where
+//!    a chaotic motion happens to be widens it in a few leaps;
+//! 6. else by the exponent `p` of the spread, the least-squares slope of `log r` against `log t` over the last seven eighths
+//!    of the run. An error that stays in a band has `p = 0`, a random walk 1/2, a steady drift 1: `bounded` below 1/4,
+//!    `random_walk` below 3/4, `drift` above.
 //!
-//! What the rule does not promise: a drift whose change over the run is smaller than half of the band is not seen, and one
-//! random walk in four is taken for another law (759 of 1000 are called by their name in the test below).
+//! What the rule does not promise: a drift whose change over the run is smaller than half of the band is not seen; of 1000
+//! random walks in the tests below 703 are called by their name, and of 1000 series of random bursts 929 are called bounded.
+//! A part that is shorter than a swing of the motion misleads rule 4: judge runs of at least ten swings.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +29,9 @@ pub const ROUNDOFF: f64 = 64.0 * f64::EPSILON;
 
 /// An energy error of this many energy scales is a blow-up.
 const BLOW_UP: f64 = 10.0;
+
+/// Means that wander by less than this many half-widths belong to an error that stays where it is.
+const STILL: f64 = 1.5;
 
 /// Fewer groups than this are not judged.
 const MIN_GROUPS: usize = 8;
@@ -74,12 +83,12 @@ pub struct Stretch {
 
 /// Judges a run from its stretches, which follow each other from t = 0. `None` for fewer than eight.
 pub fn growth(stretches: &[Stretch], diverged: bool) -> Option<Growth> {
-    let groups = grouped(stretches);
+    let groups = grouped(stretches, MAX_GROUPS);
     if groups.len() < MIN_GROUPS {
         return None;
     }
     let line = Line::through(&centres(&groups), &groups.iter().map(|g| g.error.mean).collect::<Vec<_>>());
-    let exponent = spread_exponent(&groups);
+    let spread = spread(&groups);
     let amplitude = groups.iter().map(|g| g.error.amplitude()).fold(0.0, f64::max);
     let duration = groups[groups.len() - 1].to;
     let verdict = if diverged || amplitude > BLOW_UP {
@@ -89,18 +98,20 @@ pub fn growth(stretches: &[Stretch], diverged: bool) -> Option<Growth> {
     } else if line.explained >= 0.95 && (line.slope * duration).abs() >= 0.5 * band(&groups) {
         Verdict::Drift
     } else {
-        match exponent {
-            Some(p) if p >= 0.75 => Verdict::Drift,
-            Some(p) if p >= 0.25 => Verdict::RandomWalk,
+        match &spread {
+            _ if wander(&groups) < STILL => Verdict::Bounded,
+            Some(spread) if spread.widened < 0.2 => Verdict::Bounded,
+            Some(spread) if spread.exponent >= 0.75 => Verdict::Drift,
+            Some(spread) if spread.exponent >= 0.25 => Verdict::RandomWalk,
             _ => Verdict::Bounded,
         }
     };
-    Some(Growth { slope_per_s: line.slope, exponent, verdict })
+    Some(Growth { slope_per_s: line.slope, exponent: spread.map(|s| s.exponent), verdict })
 }
 
-/// Joins neighbours until at most [`MAX_GROUPS`] are left. A remainder that is shorter than a group is joined to the last.
-fn grouped(stretches: &[Stretch]) -> Vec<Stretch> {
-    let size = stretches.len().div_ceil(MAX_GROUPS).max(1);
+/// Joins neighbours until at most `most` are left. A remainder that is shorter than a group is joined to the last.
+fn grouped(stretches: &[Stretch], most: usize) -> Vec<Stretch> {
+    let size = stretches.len().div_ceil(most).max(1);
     let join = |a: Stretch, b: &Stretch| Stretch {
         to: b.to,
         count: a.count + b.count,
@@ -124,25 +135,47 @@ fn band(groups: &[Stretch]) -> f64 {
     widths[widths.len() / 2]
 }
 
+/// Largest difference between the means of eight parts of the run, over the median half-width of a part.
+fn wander(groups: &[Stretch]) -> f64 {
+    let parts = grouped(groups, 8);
+    let means = || parts.iter().map(|part| part.error.mean);
+    let range = means().fold(f64::MIN, f64::max) - means().fold(f64::MAX, f64::min);
+    range / band(&parts)
+}
+
 fn centres(groups: &[Stretch]) -> Vec<f64> {
     let starts = std::iter::once(0.0).chain(groups.iter().map(|g| g.to));
     starts.zip(groups).map(|(from, g)| 0.5 * (from + g.to)).collect()
 }
 
-/// Slope of `log r(t)` against `log t` where `t` is at least an eighth of the run.
-fn spread_exponent(groups: &[Stretch]) -> Option<f64> {
+/// How the largest minus the smallest error so far grows over the last seven eighths of a run.
+struct Spread {
+    /// Slope of its logarithm against that of time.
+    exponent: f64,
+    /// Part of the groups that widened it.
+    widened: f64,
+}
+
+/// `None` where there is no spread, or too few groups.
+fn spread(groups: &[Stretch]) -> Option<Spread> {
     let begin = groups.last()?.to / 8.0;
     // The error is 0 at t = 0.
     let mut range = (0.0f64, 0.0f64);
+    let mut widened = 0;
     let (mut times, mut spreads) = (Vec::new(), Vec::new());
     for group in groups {
-        range = (range.0.min(group.error.min), range.1.max(group.error.max));
-        if group.to >= begin * (1.0 - 1e-9) && range.1 > range.0 {
+        let wider = (range.0.min(group.error.min), range.1.max(group.error.max));
+        if group.to >= begin * (1.0 - 1e-9) && wider.1 > wider.0 {
+            widened += usize::from(wider != range);
             times.push(group.to.ln());
-            spreads.push((range.1 - range.0).ln());
+            spreads.push((wider.1 - wider.0).ln());
         }
+        range = wider;
     }
-    (times.len() >= MIN_GROUPS - 1).then(|| Line::through(&times, &spreads).slope)
+    (times.len() >= MIN_GROUPS - 1).then(|| Spread {
+        exponent: Line::through(&times, &spreads).slope,
+        widened: widened as f64 / times.len() as f64,
+    })
 }
 
 /// A straight line by least squares.
@@ -232,13 +265,32 @@ mod tests {
     #[test]
     fn random_walks_are_mostly_called_so_and_noise_never() {
         let called = |verdict| (1..=1000).filter(|&seed| of(walk(seed)).verdict == verdict).count();
-        // measured 759 random walks, 126 drifts, 115 bounded
-        assert!(called(Verdict::RandomWalk) > 700, "{}", called(Verdict::RandomWalk));
+        // measured 703 random walks, 126 drifts, 171 bounded
+        assert!(called(Verdict::RandomWalk) > 650, "{}", called(Verdict::RandomWalk));
         let white = |seed| {
             let mut next = noise(seed);
             of(move |_| 1e-10 * next()).verdict
         };
         assert!((1..=1000).all(|seed| white(seed) == Verdict::Bounded));
+    }
+
+    /// Bursts of very different height at random times, as a chaotic motion makes them.
+    #[test]
+    fn bursts_are_mostly_bounded() {
+        let bursts = |seed| {
+            let (mut next, mut height, mut left) = (noise(seed), 0.0, 0);
+            of(move |_| {
+                if left == 0 {
+                    left = 20 + (180.0 * next().abs()) as u32;
+                    height = 1e-8 * (2.0 * (next() + next() + next())).exp();
+                }
+                left -= 1;
+                height * (1.0 + 0.1 * next())
+            })
+        };
+        let called = |verdict| (1..=1000).filter(|&seed| bursts(seed).verdict == verdict).count();
+        // measured 929 bounded, 63 drifts, 8 random walks; 524 bounded without rule 5
+        assert!(called(Verdict::Bounded) > 850, "{}", called(Verdict::Bounded));
     }
 
     #[test]

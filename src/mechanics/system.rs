@@ -20,6 +20,8 @@ pub enum CompileError {
          {moment:e} kg m^2; give it an <inertia> with three positive principal moments"
     )]
     NoInertia { scene: String, link: String, joint: String, moment: f64 },
+    #[error("scene '{scene}': joint '{joint}': damping {damping} on a floating joint is not simulated; set it to 0")]
+    FloatingDamping { scene: String, joint: String, damping: f64 },
     #[error("scene '{scene}': nothing moves; every link is fixed to the ground")]
     NothingMoves { scene: String },
 }
@@ -28,7 +30,7 @@ impl System {
     /// Compiles a scene.
     ///
     /// # Errors
-    /// A body that moves without mass or inertia, or a scene in which nothing moves.
+    /// A body that moves without mass or inertia, damping on a floating joint, or a scene in which nothing moves.
     pub fn compile(scene: &Scene) -> Result<System, CompileError> {
         let welded = weld(&scene.model);
         let ground = usize::from(matches!(scene.base, Base::Fixed));
@@ -41,7 +43,7 @@ impl System {
                 None => base_joint(&scene.base, frame),
             };
             let name = scene.model.links[assembly.top].name.clone();
-            check(scene, &name, &joint.name, frame)?;
+            check(scene, &name, &joint, frame)?;
             bodies.push(Body { name, mass: frame.mass, inertia: frame.moments, joint });
             coordinates.push(theta);
         }
@@ -211,14 +213,17 @@ fn from_z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI))
 }
 
-fn check(scene: &Scene, link: &str, joint: &str, frame: &Principal) -> Result<(), CompileError> {
-    let (scene, link, joint) = (scene.name.clone(), link.to_string(), joint.to_string());
+fn check(scene: &Scene, link: &str, joint: &Joint, frame: &Principal) -> Result<(), CompileError> {
+    let (scene, link, name) = (scene.name.clone(), link.to_string(), joint.name.clone());
     if frame.mass <= 0.0 {
-        return Err(CompileError::Massless { scene, link, joint });
+        return Err(CompileError::Massless { scene, link, joint: name });
     }
     let moment = frame.moments.min();
     if moment <= 0.0 {
-        return Err(CompileError::NoInertia { scene, link, joint, moment });
+        return Err(CompileError::NoInertia { scene, link, joint: name, moment });
+    }
+    if joint.kind == JointKind::Floating && joint.damping > 0.0 {
+        return Err(CompileError::FloatingDamping { scene, joint: name, damping: joint.damping });
     }
     Ok(())
 }

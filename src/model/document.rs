@@ -39,16 +39,30 @@ pub(super) fn read(file: &str, text: &str) -> Result<Document, ModelError> {
 
 /// XML that does not parse. A xacro prefix that nothing declares fails here too, and is named as what it is.
 fn malformed(file: &str, text: &str, error: &roxmltree::Error) -> ModelError {
+    use roxmltree::Error;
     let pos = error.pos();
-    let position = Some(Position { line: pos.row, column: pos.col });
+    let position = match error {
+        // Not a place of their own: the text ended.
+        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => end_of(text),
+        _ => Position { line: pos.row, column: pos.col },
+    };
+    let xacro_element = || Problem::Xacro { found: "an element <xacro:...>".to_owned() };
     let problem = match error {
-        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            Problem::Xacro { found: "an element <xacro:...>".to_owned() }
+        Error::UnknownNamespace(prefix, _) if prefix == "xacro" => xacro_element(),
+        _ if text.contains("<xacro:") => xacro_element(),
+        Error::DtdDetected => {
+            Problem::Malformed { detail: "document types are not read; remove <!DOCTYPE ...>".to_owned() }
         }
-        _ if text.contains("<xacro:") => Problem::Xacro { found: "an element <xacro:...>".to_owned() },
         _ => Problem::Malformed { detail: error.to_string().replace(&format!(" at {pos}"), "") },
     };
+    let position = Some(position);
     ModelError { file: file.to_owned(), position, problem: Box::new(problem) }
+}
+
+fn end_of(text: &str) -> Position {
+    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let last = text.rsplit('\n').next().unwrap_or_default();
+    Position { line: count(text.matches('\n').count() + 1), column: count(last.chars().count() + 1) }
 }
 
 struct Walk<'a> {

@@ -98,9 +98,9 @@ pub enum Problem {
     )]
     InertiaWithoutMass { link: String },
     #[error(
-        "link '{link}': inertia has the negative principal moment {moment:e} kg m^2 (the others: {}); correct ixx, ixy, \
+        "link '{link}': inertia has the negative principal moment {moment:.6e} kg m^2 (the others: {}); correct ixx, ixy, \
          ixz, iyy, iyz, izz",
-        .others.map(|m| format!("{m:e}")).join(", ")
+        .others.map(|m| format!("{m:.6e}")).join(", ")
     )]
     NegativeMoment { link: String, moment: f64, others: [f64; 2] },
     #[error("link '{link}': density needs the size of its collision {shape}, and {what} must be > 0 m, got {value}")]

@@ -22,7 +22,7 @@ const QUATERNION_LENGTH: f64 = 1e-6;
 /// Reads a scene `.json` file and the URDF that it names.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
-    let file: SceneFile = serde_json::from_str(&text).map_err(|e| json_error(path, &e))?;
+    let file = parse(path, &text)?;
     let urdf = path.parent().unwrap_or(Path::new("")).join(&file.model);
     let fault = |problem| SceneError::of(path, problem);
     if !urdf.is_file() {
@@ -34,13 +34,31 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     scene(file, &name_of(path), model).map_err(fault)
 }
 
-/// serde_json's own message with the place taken out of it.
-fn json_error(path: &Path, error: &serde_json::Error) -> SceneError {
+/// The JSON of a scene file, nothing before or after it.
+fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let file = serde_path_to_error::deserialize(&mut json).map_err(|e| {
+        let key = e.path().to_string();
+        json_error(path, &key, e.inner())
+    })?;
+    json.end().map_err(|e| json_error(path, ".", &e))?;
+    Ok(file)
+}
+
+/// serde_json's own message, with its place put in front and in the words of JSON instead of those of Rust. `key` is `.`
+/// for the file as a whole.
+fn json_error(path: &Path, key: &str, error: &serde_json::Error) -> SceneError {
     let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let position = Position { line: place(error.line()), column: place(error.column()) };
-    let text = error.to_string();
+    let mut detail = error.to_string();
     let suffix = format!(" at line {} column {}", error.line(), error.column());
-    let detail = text.strip_suffix(&suffix).unwrap_or(&text).replace("unknown field", "unknown key");
+    detail.truncate(detail.strip_suffix(&suffix).unwrap_or(&detail).len());
+    for (rust, json) in [(" field ", " key "), ("variant", "value"), ("f64", "a number"), ("`", "'")] {
+        detail = detail.replace(rust, json);
+    }
+    if key != "." {
+        detail = format!("{key}: {detail}");
+    }
     SceneError::Json { file: path.display().to_string(), position, detail }
 }
 
@@ -281,5 +299,89 @@ impl<'a> Names<'a> {
             None => 0.0,
         };
         Ok(Drive { joint, effort: file.effort, amplitude: file.amplitude, frequency_hz, phase: file.phase })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene on a model with a hinge `elbow`, a ball joint `ball` and a weld `weld`.
+    fn load(text: &str) -> Scene {
+        let folder = tempfile::tempdir().unwrap();
+        let model = r#"<robot name="r"><link name="base"/><link name="arm"/><link name="hand"/><link name="tool"/>
+            <joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/></joint>
+            <joint name="ball" type="spherical"><parent link="arm"/><child link="hand"/></joint>
+            <joint name="weld" type="fixed"><parent link="hand"/><child link="tool"/></joint></robot>"#;
+        let inside = folder.path().join("example");
+        std::fs::create_dir(&inside).unwrap();
+        std::fs::write(inside.join("m.urdf"), model).unwrap();
+        std::fs::write(inside.join("scene.json"), text).unwrap();
+        Scene::load(inside.join("scene.json")).unwrap()
+    }
+
+    #[test]
+    fn a_scene_left_bare_has_the_defaults() {
+        let scene = load(r#"{"model": "m.urdf"}"#);
+        assert_eq!(scene.name, "example");
+        assert_eq!(scene.gravity, Vector3::new(0.0, 0.0, -9.81));
+        assert!(matches!(scene.base, Base::Fixed));
+        assert_eq!(scene.duration, 10.0);
+        assert_eq!(scene.steps, [0.01, 0.005, 0.002, 0.001]);
+        let lengths: Vec<_> = scene.initial.iter().map(|i| (i.position.len(), i.velocity.len())).collect();
+        assert_eq!(lengths, [(1, 1), (3, 3), (0, 0)]);
+    }
+
+    #[test]
+    fn initial_values_are_numbers_or_arrays() {
+        let scene = load(
+            r#"{"model": "m.urdf", "steps": [0.001, 0.01, 0.001], "initial": {"joints": {
+                "elbow": {"position": 1, "velocity": [0.5]}, "ball": {"velocity": [1, 2, 3]}}}}"#,
+        );
+        assert_eq!(scene.initial[0], JointInitial { position: vec![1.0], velocity: vec![0.5] });
+        assert_eq!(scene.initial[1], JointInitial { position: vec![0.0; 3], velocity: vec![1.0, 2.0, 3.0] });
+        assert_eq!(scene.steps, [0.01, 0.001]);
+    }
+
+    #[test]
+    fn a_floating_base_has_a_pose_and_velocities() {
+        let scene = load(
+            r#"{"model": "m.urdf", "base": "floating", "initial": {"base": {"position": [1, 2, 3],
+                "quaternion_wxyz": [0.7071068, 0, 0, 0.7071068], "linear_velocity": [4, 5, 6]}}}"#,
+        );
+        let Base::Floating { pose, linear_velocity, angular_velocity } = scene.base else {
+            panic!("the base is fixed")
+        };
+        assert_eq!(pose.translation.vector, Vector3::new(1.0, 2.0, 3.0));
+        approx::assert_relative_eq!(pose.rotation * Vector3::x(), Vector3::y(), epsilon = 1e-15);
+        assert_eq!((linear_velocity, angular_velocity), (Vector3::new(4.0, 5.0, 6.0), Vector3::zeros()));
+    }
+
+    #[test]
+    fn loops_springs_drives_and_bounds_are_kept() {
+        let scene = load(
+            r#"{"model": "m.urdf",
+            "loops": [{"name": "closure", "type": "revolute", "axis": [0, 2, 0], "parent": "tool",
+                       "parent_origin": {"xyz": [1, 0, 0]}, "child": "world", "child_origin": {"rpy": [0, 0, 1]}}],
+            "springs": [{"joint": "elbow", "stiffness": 100, "damping": 0.1, "rest": 0.2},
+                        {"from": {"link": "arm", "point": [1, 2, 3]}, "to": {"link": "world"}, "stiffness": 5, "rest_length": 2}],
+            "drives": [{"joint": "elbow", "effort": 1, "amplitude": 2, "frequency_hz": 3, "phase": 4}],
+            "bounds": [{"engine": "rattle", "step": 0.001, "duration": 1000, "metric": "energy.final", "max": 1e-4}]}"#,
+        );
+        let closure = &scene.loops[0];
+        assert_eq!((closure.kind, closure.parent.link, closure.child.link), (LoopKind::Revolute, Some(3), None));
+        assert_eq!(closure.axis, Vector3::y_axis());
+        assert_eq!(closure.parent.origin.translation.x, 1.0);
+        assert!((closure.child.origin.rotation.angle() - 1.0).abs() < 1e-15);
+        assert!(matches!(scene.springs[0], Spring::Joint { joint: 0, stiffness: 100.0, damping: 0.1, rest: 0.2 }));
+        let Spring::Points { from, to, rest_length, .. } = &scene.springs[1] else { panic!("a spring between points") };
+        assert_eq!(*from, Anchor { link: Some(1), point: Vector3::new(1.0, 2.0, 3.0) });
+        assert_eq!((to.link, *rest_length), (None, 2.0));
+        let drive = Drive { joint: 0, effort: 1.0, amplitude: 2.0, frequency_hz: 3.0, phase: 4.0 };
+        assert_eq!(scene.drives, [drive]);
+        assert_eq!((scene.bounds[0].max, scene.bounds[0].min), (Some(1e-4), None));
+        let needs = ["revolute joints", "ball joints", "welded links", "gravity", "revolute loops"];
+        assert_eq!(scene.needs()[..5], needs);
+        assert_eq!(scene.needs()[5..], ["joint springs", "point springs", "drives"]);
     }
 }

@@ -104,7 +104,10 @@ fn mesh_mass(
         let tried = candidates.iter().map(|p| p.display().to_string()).collect();
         return Err(Problem::MeshMissing { link: link.to_owned(), mesh: filename.to_owned(), tried });
     };
-    let scene = mesh_loader::Loader::default().load(path).map_err(|e| unusable(e.to_string()))?;
+    let scene = mesh_loader::Loader::default().load(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::Unsupported => unusable("it is no STL, OBJ or COLLADA file".to_owned()),
+        _ => unusable(e.to_string()),
+    })?;
     let mut parts = Vec::new();
     for mesh in scene.meshes.iter().filter(|m| !m.faces.is_empty()) {
         let vertices: Vec<Vector> =

@@ -190,3 +190,168 @@ fn shape(geometry: &urdf_rs::Geometry) -> Shape {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    fn read(text: &str, density: Option<f64>) -> Model {
+        let file = tempfile::NamedTempFile::with_suffix(".urdf").unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        read_urdf_with_density(file.path(), density).unwrap()
+    }
+
+    /// Links `a` and `b` with a joint of that type between them, and what is inside it.
+    fn joined(kind: &str, inside: &str) -> Model {
+        let text = format!(
+            r#"<robot name="r"><link name="a"/><link name="b"/>
+            <joint name="j" type="{kind}"><parent link="a"/><child link="b"/>{inside}</joint></robot>"#
+        );
+        read(&text, None)
+    }
+
+    #[test]
+    fn every_joint_type_is_read() {
+        for name in JointKind::NAMES {
+            assert_eq!(joined(name, "").joints[0].kind.name(), name);
+        }
+    }
+
+    #[test]
+    fn an_axis_left_out_is_x() {
+        assert_eq!(joined("revolute", "").joints[0].axis, Vector3::x_axis());
+    }
+
+    #[test]
+    fn a_long_axis_is_normalised_with_a_remark_and_a_rounded_one_without() {
+        let long = joined("revolute", r#"<axis xyz="0 3 4"/>"#);
+        assert_relative_eq!(long.joints[0].axis.into_inner(), Vector3::new(0.0, 0.6, 0.8), epsilon = 1e-15);
+        assert_eq!(long.remarks, ["joint 'j': axis 0 3 4 has length 5.000000; it is normalised"]);
+        let rounded = joined("revolute", r#"<axis xyz="0 0.7071 0.7071"/>"#);
+        assert_relative_eq!(rounded.joints[0].axis.norm(), 1.0, epsilon = 1e-15);
+        assert!(rounded.remarks.is_empty());
+    }
+
+    #[test]
+    fn axes_of_any_length_keep_their_direction() {
+        for length in ["1e-320", "1e-200", "1e200"] {
+            let axis = joined("revolute", &format!(r#"<axis xyz="0 {length} 0"/>"#)).joints[0].axis;
+            assert_eq!(axis, Vector3::y_axis(), "{length}");
+        }
+    }
+
+    #[test]
+    fn a_fixed_joint_may_have_a_zero_axis() {
+        assert!(joined("fixed", r#"<axis xyz="0 0 0"/>"#).remarks.is_empty());
+    }
+
+    #[test]
+    fn roll_pitch_and_yaw_turn_about_fixed_axes_in_this_order() {
+        let joint = &joined("fixed", &format!(r#"<origin xyz="1 2 3" rpy="{FRAC_PI_2} 0 {FRAC_PI_2}"/>"#)).joints[0];
+        // Roll takes y to z, yaw leaves z and takes x to y.
+        assert_relative_eq!(joint.origin.rotation * Vector3::y(), Vector3::z(), epsilon = 1e-15);
+        assert_relative_eq!(joint.origin.rotation * Vector3::x(), Vector3::y(), epsilon = 1e-15);
+        assert_eq!(joint.origin.translation.vector, Vector3::new(1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn a_quaternion_is_the_rotation_it_says_even_near_the_pole_of_pitch() {
+        for angle in [0.3, FRAC_PI_2 - 1e-3, FRAC_PI_2, -FRAC_PI_2] {
+            let q = UnitQuaternion::from_euler_angles(0.2, angle, -0.4);
+            let text = format!(r#"<origin quat_xyzw="{} {} {} {}"/>"#, q.i, q.j, q.k, q.w);
+            let read = joined("fixed", &text).joints[0].origin.rotation;
+            // measured 1.2e-13 beside the pole, where three angles are ill conditioned, and 1.3e-16 elsewhere
+            assert!(read.angle_to(&q) < 3e-13, "{angle}: {:e}", read.angle_to(&q));
+        }
+    }
+
+    #[test]
+    fn an_undefined_world_is_the_ground_with_a_remark() {
+        let text = r#"<robot name="r"><link name="a"/><link name="b"/>
+            <joint name="j" type="fixed"><parent link="world"/><child link="b"/></joint>
+            <joint name="k" type="spherical"><parent link="b"/><child link="a"/></joint></robot>"#;
+        let model = read(text, None);
+        let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
+        assert_eq!(names, ["world", "b", "a"]);
+        let ends: Vec<_> = model.joints.iter().map(|j| (j.parent, j.child)).collect();
+        assert_eq!(ends, [(0, 1), (1, 2)]);
+        assert_eq!(model.remarks, ["parent link 'world' is not defined; it is taken as the ground"]);
+    }
+
+    #[test]
+    fn density_gives_mass_only_to_links_without_inertial() {
+        let shape = r#"<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision>"#;
+        let text = format!(
+            r#"<robot name="r"><link name="a"><inertial><mass value="5"/>
+            <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>{shape}</link>
+            <link name="b">{shape}</link><link name="c"/>
+            <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>
+            <joint name="k" type="fixed"><parent link="b"/><child link="c"/></joint></robot>"#
+        );
+        let masses = |density| -> Vec<Option<f64>> {
+            read(&text, density).links.iter().map(|l| l.inertial.as_ref().map(|i| i.mass)).collect()
+        };
+        assert_eq!(masses(None), [Some(5.0), None, None]);
+        let dense = masses(Some(2000.0));
+        assert_eq!((dense[0], dense[2]), (Some(5.0), None));
+        assert_relative_eq!(dense[1].unwrap(), 12.0, epsilon = 1e-13);
+    }
+
+    #[test]
+    fn what_is_not_simulated_is_listed_in_the_order_of_the_file() {
+        let text = r#"<robot name="r"><material name="red"/>
+            <link name="a"><visual><geometry><box size="1 1 1"/></geometry></visual><sensor kind="imu"/></link>
+            <link name="b"/>
+            <joint name="j" type="revolute"><parent link="a"/><child link="b"/>
+              <limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>
+              <dynamics damping="0.5" friction="0.2" spring_reference="1"/>
+              <safety_controller k_velocity="3"/><calibration rising="0"/></joint>
+            <joint name="k" type="fixed"><parent link="b"/><child link="c"/><dynamics damping="0.5" friction="0"/></joint>
+            <link name="c"/>
+            <joint name="l" type="continuous"><parent link="c"/><child link="d"/><mimic joint="j" multiplier="2"/></joint>
+            <link name="d"/>
+            <transmission name="t"/><gazebo reference="a"/></robot>"#;
+        let model = read(text, None);
+        let list: Vec<String> =
+            model.ignored.iter().map(|i| format!("{}: {} ({})", i.element, i.what, i.value)).collect();
+        assert_eq!(
+            list,
+            [
+                "robot: material (name red)",
+                "link 'a': sensor (kind imu)",
+                "link 'a': visual (1 shape)",
+                "joint 'j': limit (lower -1.57, upper 1.57, effort 10, velocity 2)",
+                "joint 'j': friction (0.2)",
+                "joint 'j': attribute spring_reference of <dynamics> (1)",
+                "joint 'j': safety_controller (k_velocity 3)",
+                "joint 'j': calibration (rising 0)",
+                "joint 'k': damping (0.5)",
+                "joint 'l': mimic (joint j, multiplier 2)",
+                "robot: transmission (name t)",
+                "robot: gazebo (reference a)",
+            ]
+        );
+        assert_eq!((model.joints[0].damping, model.joints[0].friction), (0.5, 0.2));
+        assert_eq!(model.joints[2].mimic, Some(Mimic { source: 0, multiplier: 2.0, offset: 0.0 }));
+    }
+
+    #[test]
+    fn elements_of_other_namespaces_are_listed_and_not_taken_for_urdf() {
+        let text = r#"<robot name="r" xmlns:drake="http://drake.mit.edu"><link name="a"><collision>
+            <geometry><drake:ellipsoid a="1"/></geometry></collision></link><drake:joint name="x"/></robot>"#;
+        let model = read(text, None);
+        assert_eq!((model.links.len(), model.joints.len(), model.links[0].collisions.len()), (1, 0, 0));
+        assert_eq!(model.remarks, ["link 'a': collision shape <drake:ellipsoid> is not known and gives no mass"]);
+        assert_eq!(model.ignored[1].what, "drake:joint");
+    }
+
+    #[test]
+    fn names_keep_their_special_characters() {
+        let text = r#"<robot name="r"><link name="a &amp; &lt;b&gt; &quot;é&quot;"/></robot>"#;
+        assert_eq!(read(text, None).links[0].name, "a & <b> \"é\"");
+    }
+}

@@ -1,6 +1,6 @@
 //! Records with a schema version, charts and the page.
 //!
-//! A [`Report`](record::Report) is what a comparison leaves behind, as JSON. Charts, page and table are drawn from it alone,
+//! A [`Report`] is what a comparison leaves behind, as JSON. Charts, page and table are drawn from it alone,
 //! so that they can be drawn again without simulating. [`files::write`] writes the whole folder.
 
 pub mod charts;
@@ -12,5 +12,6 @@ pub mod number;
 pub mod page;
 pub mod record;
 pub mod table;
+pub mod theory;
 
 pub use record::Report;

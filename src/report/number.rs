@@ -46,6 +46,12 @@ pub fn plain(x: f64, digits: usize) -> String {
     }
 }
 
+/// Two decimals; no zero has a sign.
+pub fn two_decimals(x: f64) -> String {
+    let text = format!("{x:.2}");
+    if text == "-0.00" { "0.00".to_string() } else { text }
+}
+
 fn superscript(n: i32) -> String {
     n.to_string()
         .chars()
@@ -71,6 +77,7 @@ mod tests {
             [duration(0.01), duration(5e-4), duration(2.0), duration(1e-5)],
             ["10 ms", "0.5 ms", "2 s", "10 µs"]
         );
+        assert_eq!([two_decimals(-0.004), two_decimals(-0.006), two_decimals(7.046)], ["0.00", "-0.01", "7.05"]);
         assert_eq!([plain(10_000.0, 2), plain(0.25, 2), plain(9.999, 2)], ["10000", "0.25", "10"]);
     }
 }

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::number::{duration, plain, written};
-use super::record::{Report, SceneRecord};
+use super::record::{Report, SceneRecord, Versions};
 use super::{finding, table};
 
 /// A chart to be put into the page.
@@ -17,39 +17,57 @@ pub struct Picture {
 
 /// The page of a report: the finding, the pictures, the table, what was simulated and ignored, machine, versions, command.
 pub fn html(report: &Report, pictures: &[Picture]) -> String {
-    let name = &report.scene.name;
+    let description = &report.scene.description;
+    let body = html! {
+        @if !description.is_empty() { p.description { (description) } }
+        @if report.interrupted {
+            p.warning { "The comparison was interrupted: runs or their timings are missing." }
+        }
+        (finding_box(&finding::sentence(report)))
+        @for picture in pictures { (figure(picture)) }
+        (runs(report))
+        (scene(&report.scene))
+        (environment(report))
+    };
+    document(&report.scene.name, body)
+}
+
+/// A whole page: its title as heading, and what stands below.
+pub(super) fn document(title: &str, body: Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (name) " – rattlebench" }
+                title { (title) " – rattlebench" }
                 style { (PreEscaped(include_str!("page.css"))) }
             }
             body {
                 main {
-                    h1 { (name) }
-                    @if !report.scene.description.is_empty() { p.description { (report.scene.description) } }
-                    @if report.interrupted {
-                        p.warning { "The comparison was interrupted: runs or their timings are missing." }
-                    }
-                    p.finding { (finding::sentence(report).replace(" × ", "\u{a0}×\u{a0}")) }
-                    @for picture in pictures {
-                        figure {
-                            img alt=(picture.caption) src={ "data:image/png;base64," (STANDARD.encode(&picture.png)) };
-                            figcaption { (picture.caption) "." }
-                        }
-                    }
-                    (runs(report))
-                    (scene(&report.scene))
-                    (environment(report))
+                    h1 { (title) }
+                    (body)
                 }
             }
         }
     }
     .into_string()
         + "\n"
+}
+
+/// The sentence that says what was found.
+pub(super) fn finding_box(sentence: &str) -> Markup {
+    html! { p.finding { (sentence.replace(" × ", "\u{a0}×\u{a0}")) } }
+}
+
+/// A chart with its caption, the picture inside the page.
+pub(super) fn figure(picture: &Picture) -> Markup {
+    html! {
+        figure {
+            img alt=(picture.caption) src={ "data:image/png;base64," (STANDARD.encode(&picture.png)) };
+            figcaption { (picture.caption) "." }
+        }
+    }
 }
 
 fn runs(report: &Report) -> Markup {
@@ -84,8 +102,7 @@ fn runs(report: &Report) -> Markup {
             "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
              energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
              the time of the velocities, for engines that return the two at different times. Joint error: the largest \
-             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
-             grows over the run. CPU time: of the stepping alone, on one thread, median of the repeats; long runs are timed \
+             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on one thread, median of the repeats; long runs are timed \
              over their first part."
         }
     }
@@ -132,16 +149,28 @@ fn environment(report: &Report) -> Markup {
             @if let Some(cores) = machine.logical_cores { dt { "Logical cores" } dd { (cores) } }
             dt { "System" } dd { (machine.os) ", " (machine.architecture) }
         }
+        (version_list(versions))
+        @if versions.profile != "release" {
+            p.warning { "This was not a release build: its timings say little about any engine." }
+        }
+        (command_line(&report.command))
+    }
+}
+
+pub(super) fn version_list(versions: &Versions) -> Markup {
+    html! {
         h2 { "Versions" }
         dl {
             dt { "rattlebench" } dd { (versions.rattlebench) }
             @for (name, version) in &versions.crates { dt { (name) } dd { (version) } }
             dt { "rustc" } dd { (versions.rustc) ", " (versions.profile) " build" }
         }
-        @if versions.profile != "release" {
-            p.warning { "This was not a release build: its timings say little about any engine." }
-        }
+    }
+}
+
+pub(super) fn command_line(command: &str) -> Markup {
+    html! {
         h2 { "Command" }
-        pre { code { (report.command) } }
+        pre { code { (command) } }
     }
 }

@@ -54,7 +54,7 @@ pub const ORDER_8: Composition = Composition {
     source: "Kahan and Li 1997",
 };
 
-/// All sets. A new one is one constant and one entry here.
+/// All sets, in the order of their order. A new one is one constant and one entry here.
 pub const ALL: &[Composition] = &[ORDER_2, ORDER_4, ORDER_6, ORDER_8];
 
 impl Composition {

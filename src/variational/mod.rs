@@ -1,9 +1,11 @@
 //! The variational integrators for rigid bodies with joints.
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
-//! manifold of the joints. Its linear algebra is the tree recursion of [`tree`]; a body turns by [`rotation`].
+//! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
+//! body turns by a rule of [`rotation`]; [`composition`] raises the order.
 
 mod compensated;
+#[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
 mod joints;
 mod newton;
@@ -14,3 +16,4 @@ mod spatial;
 mod tree;
 
 pub use rattle::{Failure, Rattle};
+pub use rotation::Rotation;

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! M~ eta = G(q0)^T dlambda ,   G(q1) eta = -phi(q1) / h ,   M~ = diag(m 1, I~) ,
-//! I~ = R0 1/2 K (1 + [s])^-1 R0^T ,   K = d(residual of the rotation rule)/ds .
+//! I~ = R0 1/2 K (1 + [s])^-1 R0^T ,   K = (1 + |s|^2) d(h m0)/ds .
 //! ```
 //!
 //! It is the recursion of [`super::tree`] with two motion subspaces: `S1` at `q1` on the side of the motion, `S0` at `q0` on
@@ -154,7 +154,7 @@ fn bias(tried: &Tried, carried: &Motion, h: f64) -> Twist {
     Spatial::new(tried.locked.linear, rotation + carried.turned(&rotation)).scaled(-1.0 / h)
 }
 
-/// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` the derivative of the rotation rule's residual.
+/// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` as [`super::rotation::Rotation::derivative`] gives it.
 pub(super) fn turning_inertia(r0: &Matrix3<f64>, s: &Vector3<f64>, k: &Matrix3<f64>) -> Matrix3<f64> {
     // (1 + [s])^-1 = (1 - [s] + s s^T) / (1 + |s|^2)
     let inverse = (Matrix3::identity() - s.cross_matrix() + s * s.transpose()) / (1.0 + s.norm_squared());

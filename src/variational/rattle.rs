@@ -11,9 +11,11 @@
 //! G(q1) M^-1 p1 = 0                               the twists fit: this fixes lambda1      (5)
 //! ```
 //!
-//! (3) is solved by a chord iteration with the articulated-body factorisation of [`super::tree`] at `q0`, which is the one
-//! that (5) of the step before has made: one factorisation a step. The multipliers live in the joints as wrench impulses
-//! `h/2 lambda`; the next step starts from their extrapolation in the child's body frame.
+//! (3) is solved by a chord iteration with the articulated-body factorisation at `q0`, which is the one that (5) of the step
+//! before has made: one factorisation a step. The multipliers live in the joints as wrench impulses `h/2 lambda`; the next
+//! step starts from their extrapolation in the child's body frame. Where the iteration does not contract, as in a whip with
+//! `h |Omega|` near 1, it goes on with the exact linearisation. `phi(q1)` is computed from the motions of the step, not from
+//! the difference of positions, and the iteration ends at the roundoff of the motions: small steps do not cancel.
 //!
 //! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
 //! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
@@ -28,7 +30,7 @@ use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
-use super::rotation::{jacobian, moser_veselov};
+use super::rotation::Rotation;
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, JointKind, State, System};
@@ -81,20 +83,21 @@ struct Trial {
 
 /// The integrator: a system, its state, and room for a step. Nothing is allocated after [`Rattle::new`].
 ///
-/// Arrays run over the nodes of [`super::joints`]: index 0 is the ground.
+/// Arrays run over the nodes: index 0 is the ground, node `i` is body `i - 1` with its joint.
 #[derive(Clone, Debug)]
 pub struct Rattle {
     nodes: Vec<Node>,
     gravity: Vector3<f64>,
+    rotation: Rotation,
     bodies: Vec<Body>,
     /// The configuration at the start of the step, the joints' places in it, and its factorisation.
     pose: Vec<Pose>,
     places: Vec<Place>,
     tree: Tree,
-    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
-    damped: Option<Tree>,
     /// The part of the joints' mismatch there that the next step takes away.
     gap0: Vec<Twist>,
+    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
+    damped: Option<Tree>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,
@@ -161,6 +164,7 @@ impl Rattle {
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let mut rattle = Rattle {
             gravity: system.gravity,
+            rotation: Rotation::MoserVeselov,
             bodies,
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
@@ -183,6 +187,11 @@ impl Rattle {
         rattle.factorise()?;
         rattle.project_momenta(0.0);
         Ok(rattle)
+    }
+
+    /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
+    pub fn with_rotation(self, rotation: Rotation) -> Rattle {
+        Rattle { rotation, ..self }
     }
 
     /// Takes one step of size `h` (s). After a failure the state is the one before the step.
@@ -239,7 +248,9 @@ impl Rattle {
             if !residual.is_finite() {
                 return Err(Failure::NotFinite { body: joint });
             }
-            let stagnant = residual > 0.3 * last && residual <= 64.0 * roundoff;
+            // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
+            let near = if exact { 1e4 } else { 64.0 };
+            let stagnant = residual > 0.3 * last && residual <= near * roundoff;
             if residual <= roundoff || stagnant {
                 return Ok(());
             }
@@ -271,7 +282,7 @@ impl Rattle {
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
-            trial.s = match moser_veselov(&node.inertia, &hm, &start) {
+            trial.s = match self.rotation.solve(&node.inertia, &hm, &start) {
                 Some(s) => s,
                 None => {
                     let angle = hm.component_div(&node.inertia).norm();
@@ -281,9 +292,9 @@ impl Rattle {
             };
             trial.hm = hm;
             trial.motion.s = pose.r * trial.s;
-            trial.roundoff = trial.motion.dx.amax()
-                + self.length * trial.s.amax()
-                + self.wrench[i].linear.amax() * (h.abs() / node.mass);
+            trial.roundoff = trial.motion.dx.norm()
+                + self.length * hm.norm() / node.inertia.min()
+                + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
         Ok(())
     }
@@ -291,21 +302,23 @@ impl Rattle {
     /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
     /// the system's length), and how small roundoff lets it become.
     fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
-        let (mut worst, mut joint, mut roundoff) = (0.0, 0, 0.0_f64);
+        // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
+        let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
             let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
             let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let mut size = gap.linear.amax() + self.length * gap.angular.amax();
+            let mut size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
             if node.damping > 0.0 {
                 self.travel[i] = moved.travel(node, place, parent);
                 self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
-                size += h.abs() * self.along[i].amax() * self.compliance(i);
+                size += h.abs() * self.along[i].norm() * self.compliance(i);
             }
-            if !(size <= worst) {
-                (worst, joint) = (size, i - 1);
+            // What is not a number stays the worst.
+            if size > worst || !(size + trial.roundoff).is_finite() {
+                (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
             }
             roundoff = trial.roundoff.max(roundoff);
         }
@@ -327,7 +340,7 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
-            let k = jacobian(&node.inertia, &trial.s, &node.inertia.component_mul(&trial.s), &trial.hm);
+            let k = self.rotation.derivative(&node.inertia, &trial.s, &trial.hm);
             self.newton.tried[i] = Tried {
                 motion: trial.motion,
                 inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),

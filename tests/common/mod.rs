@@ -1,5 +1,7 @@
 //! Models that several tests build in code.
 
+#![allow(dead_code, reason = "each test and bench uses a part")]
+
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use rattlebench::mechanics::System;
 use rattlebench::model::{Inertial, Joint, JointKind, Link, Model, Scene};

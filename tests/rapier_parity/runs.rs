@@ -22,15 +22,15 @@ pub fn after(text: &str, system: &System, step: f64, steps: u32) -> State {
     state
 }
 
-/// The largest difference of a position, an attitude (angle) or a velocity.
+/// The largest difference of a position, an attitude (angle) or a velocity, this relative to the speed if it exceeds 1.
 pub fn difference(one: &State, other: &State) -> f64 {
     let pairs = one.bodies.iter().zip(&other.bodies);
     let differences = pairs.flat_map(|(a, b)| {
         [
             (a.position - b.position).norm(),
             a.attitude.angle_to(&b.attitude),
-            (a.velocity - b.velocity).norm(),
-            (a.angular_velocity - b.angular_velocity).norm(),
+            (a.velocity - b.velocity).norm() / a.velocity.norm().max(1.0),
+            (a.angular_velocity - b.angular_velocity).norm() / a.angular_velocity.norm().max(1.0),
         ]
     });
     differences.fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! Scenes that together hold every kind of joint, none of them aligned with anything.
+//! Scenes that together hold every kind of joint, none of them aligned with anything, and the scenes that are shipped.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, Vector3};
 use rattlebench::mechanics::System;
@@ -25,6 +25,21 @@ pub fn all() -> Vec<System> {
         moving("two trees", false, &[(0, Revolute), (1, Revolute), (0, Spherical), (3, Revolute)]),
         moving("thrown off", false, &[(0, Revolute), (1, Floating), (2, Revolute)]),
     ]
+}
+
+/// The scenes under `models/`, in the order of their names.
+pub fn shipped() -> Vec<System> {
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
+    let folders = std::fs::read_dir(models).expect("models are shipped").map(|entry| entry.expect("readable").path());
+    let mut scenes: Vec<_> = folders.map(|folder| folder.join("scene.json")).filter(|path| path.is_file()).collect();
+    scenes.sort();
+    assert!(!scenes.is_empty());
+    scenes.iter().map(|path| common::compile(&Scene::load(path).expect("a shipped scene can be read"))).collect()
+}
+
+/// Those and these.
+pub fn all_and_shipped() -> Vec<System> {
+    all().into_iter().chain(shipped()).collect()
 }
 
 /// One of them, by its name.
@@ -84,21 +99,15 @@ fn moving(name: &str, floating: bool, tree: &Tree) -> System {
     } else {
         Base::Fixed
     };
+    let model =
+        Model { name: name.into(), links: links.collect(), joints: joints.collect(), ignored: vec![], remarks: vec![] };
     common::compile(&Scene {
-        name: name.into(),
-        description: String::new(),
-        model: Model {
-            name: name.into(),
-            links: links.collect(),
-            joints: joints.collect(),
-            ignored: vec![],
-            remarks: vec![],
-        },
         gravity: Vector3::new(1.0, -2.0, -9.0),
         base,
         initial: initial.collect(),
         duration: 1.0,
         steps: vec![1e-3],
+        ..Scene::of_model(name, model)
     })
 }
 

@@ -20,6 +20,9 @@ pub enum Axis {
     },
 }
 
+/// Values keep this far from the ends of a logarithmic axis, in decades.
+const EDGE: f64 = 0.07;
+
 impl Axis {
     /// The whole decades, at least one, that hold all values; what is not positive does not count. Nothing below `floor` or
     /// above `ceiling` (exponents) is shown. `None` where no value counts.
@@ -30,8 +33,9 @@ impl Axis {
         if low > high {
             return None;
         }
-        let from = (low.log10().floor() as i32).clamp(floor, ceiling - 1);
-        let to = (high.log10().ceil() as i32).clamp(from + 1, ceiling.max(from + 1));
+        // A marker on the very edge would be cut.
+        let from = ((low.log10() - EDGE).floor() as i32).clamp(floor, ceiling - 1);
+        let to = ((high.log10() + EDGE).ceil() as i32).clamp(from + 1, ceiling.max(from + 1));
         Some(Axis::Log { from, to })
     }
 
@@ -115,7 +119,7 @@ mod tests {
         assert_eq!(axis, Axis::Log { from: -7, to: -2 });
         let ticks: Vec<String> = axis.key_points(BoldPoints(10)).iter().map(|x| axis.format_ext(x)).collect();
         assert_eq!(ticks, ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
-        assert_eq!(Axis::decades([1e-3].into_iter(), -17, 2), Some(Axis::Log { from: -3, to: -2 }));
+        assert_eq!(Axis::decades([3e-3].into_iter(), -17, 2), Some(Axis::Log { from: -3, to: -2 }));
         assert_eq!(Axis::decades([1e9, 1e-30].into_iter(), -17, 2), Some(Axis::Log { from: -17, to: 2 }));
         assert_eq!(Axis::decades([0.0, f64::NAN].into_iter(), -17, 2), None);
     }

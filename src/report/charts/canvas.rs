@@ -29,15 +29,23 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Chart
 
 /// Draws on a white canvas of [`WIDTH`] x [`HEIGHT`] and encodes it.
 pub fn render(draw: impl FnOnce(&Area) -> Result<(), ChartError>) -> Result<Vec<u8>, ChartError> {
+    render_of_height(HEIGHT, draw)
+}
+
+/// Draws on a white canvas of [`WIDTH`] and a height of its own, for charts with a line for each of many things.
+pub fn render_of_height(
+    pixels_high: u32,
+    draw: impl FnOnce(&Area) -> Result<(), ChartError>,
+) -> Result<Vec<u8>, ChartError> {
     register_fonts()?;
-    let (width, height) = (WIDTH * SCALE, HEIGHT * SCALE);
+    let (width, height) = (WIDTH * SCALE, pixels_high * SCALE);
     let mut pixels = vec![255; (width * height * 3) as usize];
     {
         let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
         draw(&area)?;
         area.present()?;
     }
-    encode(&reduced(&pixels))
+    encode(&reduced(&pixels, pixels_high), pixels_high)
 }
 
 /// DejaVu Sans, from the program itself, so that a chart looks the same everywhere.
@@ -52,10 +60,10 @@ fn register_fonts() -> Result<(), ChartError> {
 }
 
 /// Each pixel becomes the mean of the square of pixels that it stands for.
-fn reduced(pixels: &[u8]) -> Vec<u8> {
+fn reduced(pixels: &[u8], height: u32) -> Vec<u8> {
     let (scale, wide) = (SCALE as usize, (WIDTH * SCALE) as usize);
-    let mut small = Vec::with_capacity((WIDTH * HEIGHT * 3) as usize);
-    for y in 0..HEIGHT as usize {
+    let mut small = Vec::with_capacity((WIDTH * height * 3) as usize);
+    for y in 0..height as usize {
         for x in 0..WIDTH as usize {
             for channel in 0..3 {
                 let sum: usize = (0..scale * scale)
@@ -71,9 +79,9 @@ fn reduced(pixels: &[u8]) -> Vec<u8> {
     small
 }
 
-fn encode(pixels: &[u8]) -> Result<Vec<u8>, ChartError> {
+fn encode(pixels: &[u8], height: u32) -> Result<Vec<u8>, ChartError> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, WIDTH, HEIGHT);
+    let mut encoder = png::Encoder::new(&mut bytes, WIDTH, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Best);

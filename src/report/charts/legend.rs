@@ -28,7 +28,7 @@ pub fn frame<'a>(
     for note in notes {
         lines.extend(wrapped(area, note)?);
     }
-    let bottom = style::HEIGHT - 12 - 25 * lines.len() as u32;
+    let bottom = area.dim_in_pixel().1 / style::SCALE - 12 - 25 * lines.len() as u32;
     for (i, line) in lines.into_iter().enumerate() {
         let y = at(bottom + 25 * i as u32);
         area.draw(&Text::new(line, (at(MARGIN), y), style::font(style::NOTE, GREY)))?;

@@ -8,6 +8,7 @@ mod error_vs_run_time;
 mod legend;
 mod panel;
 mod style;
+pub mod theory;
 mod time_panels;
 
 use super::Report;

@@ -22,6 +22,9 @@ pub struct Words<'a> {
     pub y: Option<&'a str>,
 }
 
+/// Covering other words is as bad as covering so many points.
+const WORDS: usize = 20;
+
 /// Words that belong to a point.
 pub struct Label {
     pub point: (f64, f64),
@@ -97,7 +100,8 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Small words beside points, each where it covers least of the points, the lines through them and the other words.
+    /// Small words beside points, each where it covers least of the points, and of the lines through them. Words that would
+    /// cover other words are left out.
     pub fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
         let mut covered: Vec<Span> = Vec::new();
         for line in lines {
@@ -116,9 +120,11 @@ impl<'a, 'b> Panel<'a, 'b> {
                 covered.iter().filter(|r| r.overlaps(place)).count() + if inside { 0 } else { 1000 }
             };
             let Some(place) = Span::beside(centre, size, at(14)).into_iter().min_by_key(cost) else { continue };
+            if cost(&place) >= WORDS {
+                continue;
+            }
             canvas.draw(&Text::new(label.words.clone(), (place.left, place.top), style))?;
-            // Words weigh more than lines.
-            covered.extend([place; 20]);
+            covered.extend([place; WORDS]);
         }
         Ok(())
     }

@@ -60,13 +60,18 @@ pub enum Marker {
 }
 
 // The palette of Okabe and Ito, without its yellow, which is too pale on white.
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const SKY: RGBColor = RGBColor(86, 180, 233);
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-const ORANGE: RGBColor = RGBColor(230, 159, 0);
-const PURPLE: RGBColor = RGBColor(204, 121, 167);
-const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub const SKY: RGBColor = RGBColor(86, 180, 233);
+pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+pub const BLACK: RGBColor = RGBColor(0, 0, 0);
+
+// Three more for when those are taken.
+const BROWN: RGBColor = RGBColor(122, 62, 16);
+const OLIVE: RGBColor = RGBColor(150, 138, 10);
+const STONE: RGBColor = RGBColor(125, 125, 125);
 
 /// Engines with a place of their own, so that they look the same in every report.
 const KNOWN: [(&str, Look); 4] = [
@@ -76,29 +81,56 @@ const KNOWN: [(&str, Look); 4] = [
     ("rapier:joints=multibody,precision=f64", Look { colour: PURPLE, marker: Marker::Diamond }),
 ];
 
-/// Cool colours for variational engines, warm ones for rapier, taken in turn by engines without a place of their own.
+/// Cool colours for variational engines, warm ones for rapier, for engines without a place of their own.
 const COOL: [RGBColor; 4] = [GREEN, SKY, BLACK, BLUE];
-const WARM: [RGBColor; 3] = [ORANGE, PURPLE, VERMILLION];
+const WARM: [RGBColor; 6] = [BROWN, OLIVE, STONE, ORANGE, PURPLE, VERMILLION];
 const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Triangle, Marker::Square, Marker::Circle];
 
-/// The engines of a report in its order, each with its look; no two look the same while there are fewer than a dozen.
+/// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of a
+/// family.
 pub fn looks(report: &Report) -> Vec<(&str, Look)> {
-    let mut looks: Vec<(&str, Look)> = Vec::new();
-    let mut taken = 0;
+    let mut engines: Vec<&str> = Vec::new();
     for run in &report.runs {
-        let engine = run.engine.as_str();
-        if looks.iter().any(|(name, _)| *name == engine) {
-            continue;
+        if !engines.contains(&run.engine.as_str()) {
+            engines.push(&run.engine);
         }
-        let look = match KNOWN.iter().find(|(name, _)| *name == engine) {
-            Some((_, look)) => *look,
-            None => {
-                let palette: &[RGBColor] = if engine.starts_with("rapier") { &WARM } else { &COOL };
-                taken += 1;
-                Look { colour: palette[(taken - 1) % palette.len()], marker: MARKERS[(taken - 1) % MARKERS.len()] }
-            }
-        };
-        looks.push((engine, look));
     }
-    looks
+    let known = |engine: &str| KNOWN.iter().find(|(name, _)| *name == engine).map(|(_, look)| *look);
+    let mut taken: Vec<Look> = engines.iter().filter_map(|engine| known(engine)).collect();
+    let mut look_of = |engine| {
+        known(engine).unwrap_or_else(|| {
+            let look = free_look(engine, &taken);
+            taken.push(look);
+            look
+        })
+    };
+    engines.into_iter().map(|engine| (engine, look_of(engine))).collect()
+}
+
+/// A colour that is not taken, else a colour and marker that are not taken together.
+fn free_look(engine: &str, taken: &[Look]) -> Look {
+    let palette: &[RGBColor] = if engine.starts_with("rapier") { &WARM } else { &COOL };
+    let free = MARKERS.iter().find(|marker| taken.iter().all(|look| look.marker != **marker));
+    let marker = *free.unwrap_or(&MARKERS[taken.len() % MARKERS.len()]);
+    let colour = palette.iter().find(|colour| taken.iter().all(|look| look.colour != **colour));
+    let pairs = || MARKERS.into_iter().flat_map(|marker| palette.iter().map(move |&colour| Look { colour, marker }));
+    match colour {
+        Some(&colour) => Look { colour, marker },
+        None => pairs().find(|look| !taken.contains(look)).unwrap_or(Look { colour: STONE, marker }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn engines_look_different() {
+        let mut taken: Vec<Look> = KNOWN.iter().map(|(_, look)| *look).collect();
+        for i in 0..16 {
+            let look = free_look(if i % 2 == 0 { "rapier:substeps=1" } else { "rattle:order=4" }, &taken);
+            assert!(!taken.contains(&look), "{i}: {look:?}");
+            taken.push(look);
+        }
+    }
 }

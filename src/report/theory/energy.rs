@@ -1,0 +1,126 @@
+//! Topics `figure1` and `figure2`: the energy of a variational method against that of RK4 (MW figures 1 and 2).
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde::Serialize;
+
+use super::super::charts::{ChartError, theory::energy_of_particle};
+use super::super::page::Picture;
+use super::{Data, Section, Topic};
+use crate::discrete::figures::{EnergyFigure, conservative_particle, dissipative_particle};
+use crate::discrete::solve::SolveError;
+
+pub(super) const FIGURE_1: Topic = Topic {
+    name: "figure1",
+    summary: "Marsden and West, figure 1: energy of a conservative particle, Newmark against RK4",
+    work: || 1,
+    compute: |done| computed(conservative_particle, done),
+};
+
+pub(super) const FIGURE_2: Topic = Topic {
+    name: "figure2",
+    summary: "Marsden and West, figure 2: energy of a particle with weak drag, midpoint rule against RK4",
+    work: || 1,
+    compute: |done| computed(dissipative_particle, done),
+};
+
+fn computed(figure: fn() -> Result<EnergyFigure, SolveError>, done: &AtomicU64) -> Result<Data, SolveError> {
+    let record = EnergyRecord::from(figure()?);
+    done.fetch_add(1, Ordering::Relaxed);
+    Ok(Data::Energy(record))
+}
+
+/// The curves of a figure: the truth, the variational method, RK4.
+#[derive(Clone, Debug, Serialize)]
+pub struct EnergyRecord {
+    pub curves: Vec<CurveRecord>,
+}
+
+/// Energy over time.
+#[derive(Clone, Debug, Serialize)]
+pub struct CurveRecord {
+    pub method: &'static str,
+    /// Absent for the truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_s: Option<f64>,
+    pub time_s: Vec<f64>,
+    #[serde(rename = "energy_J")]
+    pub energy_j: Vec<f64>,
+}
+
+impl From<EnergyFigure> for EnergyRecord {
+    fn from(figure: EnergyFigure) -> EnergyRecord {
+        let curve = |s: crate::discrete::figures::EnergySeries| CurveRecord {
+            method: s.name,
+            step_s: s.step,
+            time_s: s.time,
+            energy_j: s.energy,
+        };
+        EnergyRecord { curves: figure.series.into_iter().map(curve).collect() }
+    }
+}
+
+impl EnergyRecord {
+    /// Mean of a quarter of a curve (0 to 3) less that of the truth, over the initial energy.
+    fn offset(&self, curve: &CurveRecord, quarter: usize) -> f64 {
+        let truth = &self.curves[0].energy_j;
+        // The exact energy of the conservative particle is two equal points.
+        let true_at = |i: usize| *truth.get(i).unwrap_or(&truth[truth.len() - 1]);
+        let count = curve.energy_j.len();
+        let range = count * quarter / 4..count * (quarter + 1) / 4;
+        let length = range.len() as f64;
+        range.map(|i| curve.energy_j[i] - true_at(i)).sum::<f64>() / length / truth[0]
+    }
+}
+
+/// Words of one of the figures.
+struct Wording {
+    title: &'static str,
+    caption: &'static str,
+    system: &'static str,
+}
+
+const CONSERVATIVE: Wording = Wording {
+    title: "Energy without drag: figure 1 of Marsden and West",
+    caption: "Energy of a particle in a radial potential over time: the exact value, variational Newmark and RK4 at the \
+              same step",
+    system: "A particle in the plane, L = ½|v|² − |q|²(|q|² − 1)², Newmark with β = 0 and γ = ½ against RK4.",
+};
+
+const DISSIPATIVE: Wording = Wording {
+    title: "Energy under weak drag: figure 2 of Marsden and West",
+    caption: "Energy of the particle under weak drag over time: a benchmark, the forced midpoint rule and RK4 at the same \
+              step",
+    system: "The same particle with the drag force −0.001 v (example 3.2.3); the midpoint rule with discrete forces \
+             against RK4. The benchmark is the reference flow, whose error cannot be seen in the figure.",
+};
+
+pub(super) fn section(record: &EnergyRecord, topic: &str) -> Result<Section, ChartError> {
+    let wording = if topic == FIGURE_1.name { CONSERVATIVE } else { DISSIPATIVE };
+    let (variational, runge_kutta) = (&record.curves[1], &record.curves[2]);
+    let duration = variational.time_s[variational.time_s.len() - 1];
+    let step = variational.step_s.unwrap_or_default();
+    let offsets = |curve: &CurveRecord| {
+        let percent = |quarter| format!("{:+.1} %", 100.0 * record.offset(curve, quarter)).replace('-', "−");
+        format!("{} {} and {}", curve.method, percent(0), percent(3))
+    };
+    let finding = format!(
+        "Mean energy less the true one, over the initial energy, in the first and the last quarter of {duration} s at a step \
+         of {step} s: {}; {}.",
+        offsets(variational),
+        offsets(runge_kutta),
+    );
+    let explanation = format!(
+        "{} One step in 16 is shown. The initial state, q = (0.9, 0), v = (0.2, 0.8), and the step are ours: the paper \
+         does not print its own.",
+        wording.system
+    );
+    let picture = Picture { caption: wording.caption, png: energy_of_particle::draw(record, wording.title)? };
+    Ok(Section {
+        title: wording.title,
+        finding,
+        explanation,
+        charts: vec![(format!("{topic}.png"), picture)],
+        tables: vec![],
+    })
+}

@@ -1,0 +1,54 @@
+//! The shipped scenes: each loads, compiles, describes itself and moves.
+
+use std::path::PathBuf;
+
+use rattlebench::mechanics::System;
+use rattlebench::model::generate::Chain;
+use rattlebench::model::{JointKind, Scene};
+
+/// Every scene under `models/`, by name.
+fn scenes() -> Vec<Scene> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir("models")
+        .unwrap()
+        .map(|entry| entry.unwrap().path().join("scene.json"))
+        .filter(|path| path.is_file())
+        .collect();
+    files.sort();
+    files.iter().map(|path| Scene::load(path).unwrap_or_else(|e| panic!("{e}"))).collect()
+}
+
+#[test]
+fn every_scene_compiles_and_holds_energy_to_exchange() {
+    let scenes = scenes();
+    assert!(scenes.len() >= 9);
+    for scene in scenes {
+        let system = System::compile(&scene).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+        assert!(system.energy_scale > 1e-3, "{}: {} J", scene.name, system.energy_scale);
+        assert!(!scene.description.is_empty(), "{}", scene.name);
+        assert!(scene.steps.len() >= 4, "{}", scene.name);
+    }
+}
+
+#[test]
+fn the_ten_link_chain_is_what_generate_prints() {
+    let file = std::fs::read_to_string("models/chain_10/chain_10.urdf").unwrap();
+    assert_eq!(file, Chain { links: 10, ..Chain::default() }.urdf().unwrap());
+}
+
+#[test]
+fn the_joint_zoo_has_every_joint_type() {
+    let zoo = Scene::load("models/joint_zoo/scene.json").unwrap();
+    for name in JointKind::NAMES {
+        assert!(zoo.model.joints.iter().any(|j| j.kind.name() == name), "{name}");
+    }
+}
+
+/// A symmetric chain released in its plane of symmetry stays there: half of its hinges would never turn.
+#[test]
+fn chains_of_alternating_hinges_do_not_start_in_a_plane_of_symmetry() {
+    for name in ["double_pendulum", "chain_10"] {
+        let scene = Scene::load(format!("models/{name}/scene.json")).unwrap();
+        let sideways = scene.model.joints.iter().zip(&scene.initial).filter(|(j, _)| j.axis.z > 0.5);
+        assert!(sideways.map(|(_, initial)| initial.position[0]).all(|angle| angle != 0.0), "{name}");
+    }
+}

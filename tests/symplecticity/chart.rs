@@ -1,8 +1,8 @@
 //! Joint coordinates and their conjugate momenta, in a chart about a state.
 //!
 //! A coordinate is an angle or a length; a rotation of three coordinates is `R = R_c C(s)` with the chart's centre `R_c` and
-//! the Cayley rotation `C(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`, whose angular velocity in the child's axes is
-//! `2 / (1 + |s|^2) (sdot - s x sdot)`. With `J` the twists of the bodies by the rates of the coordinates, momenta are
+//! the Cayley rotation `C(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`, which turns with the angular velocity
+//! `2 / (1 + |s|^2) (sdot + s x sdot)`. With `J` the twists of the bodies by the rates of the coordinates, momenta are
 //! `p = dK/dthetadot = J^T M v`. Any such coordinates and momenta are canonical: `Omega = dtheta ^ dp`.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -68,7 +68,6 @@ impl<'a> Chart<'a> {
                     let (s, sdot) = (triple(&out.position[k..]), triple(&out.velocity[k..]));
                     let middle = UnitQuaternion::new(triple(&centre.position[k..]));
                     let rotation = middle * cayley(&s);
-                    // C(s) turns about s: the angular velocity before it is 2 / (1 + |s|^2) (sdot + s x sdot).
                     let turning = middle * ((sdot + s.cross(&sdot)) * (2.0 / (1.0 + s.norm_squared())));
                     out.position[k..k + 3].copy_from_slice(rotation.scaled_axis().as_slice());
                     out.velocity[k..k + 3].copy_from_slice(turning.as_slice());

@@ -180,7 +180,7 @@ fn another_inertia_embedding_or_discrete_lagrangian_does_not_agree() {
     });
     let seen = seen.into_inner();
     println!("{seen:?}");
-    // measured MEASURED
+    // measured 54, 55 and 64 of 64, and 2.1e-9, 2.0e-5 and 2.5e-6; what only slides or spins freely does not see an inertia
     assert!(seen.iter().all(|(count, smallest)| *count >= 50 && *smallest >= 1e-10), "{seen:?}");
 }
 
@@ -228,7 +228,7 @@ fn the_projection_of_the_momenta_keeps_a_state_on_the_manifold() {
     assert!(dense <= 4e-14, "{dense:e}");
 }
 
-/// A weightless system at rest has no motion whose roundoff could end the iteration.
+/// All that there is to be resolved is what the joint misses by roundoff at the start.
 #[test]
 fn a_weightless_pendulum_at_rest_stays_at_rest() {
     let in_parent = Isometry3::rotation(Vector3::new(-1.9, -0.6, -0.9));
@@ -246,5 +246,14 @@ fn a_weightless_pendulum_at_rest_stays_at_rest() {
         energy_scale: 1.0,
         floating_base: None,
     };
-    Rattle::new(&system).unwrap().step(0.01).unwrap();
+    let mut rattle = Rattle::new(&system).unwrap();
+    for _ in 0..100 {
+        rattle.step(0.01).unwrap();
+    }
+    let mut state = system.initial.clone();
+    rattle.write_state(&mut state);
+    let (q, v) = embed(&state);
+    println!("{:e} {:e}", (&q - embed(&system.initial).0).amax(), v.amax());
+    // measured 0 and 8.4e-33
+    assert!((q - embed(&system.initial).0).amax() <= 1e-16 && v.amax() <= 1e-16);
 }

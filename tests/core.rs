@@ -318,3 +318,14 @@ fn the_cayley_rule_runs_a_fast_top_at_any_step_and_has_order_two() {
     let mut proper = Rattle::new(&system).unwrap();
     assert!(matches!(proper.step(1e-2), Err(Failure::Rotation { .. })));
 }
+
+#[test]
+fn a_state_that_is_not_a_number_is_refused_by_name() {
+    for (system, body) in [(compile(&alternating(3)), 1), (tumbling(9.81), 0)] {
+        let mut state = system.initial.clone();
+        state.bodies[body].velocity.x = f64::NAN;
+        let mut rattle = Rattle::from_state(&system, &state).unwrap();
+        let failure = rattle.step(1e-3).unwrap_err();
+        assert!(matches!(failure, Failure::NotFinite { .. } | Failure::Rotation { .. }), "{failure:?}");
+    }
+}

@@ -13,8 +13,9 @@ use crate::mechanics::System;
 use crate::model::Scene;
 use crate::report::{Report, files, finding, table};
 
-/// Engines that are compared where none is named.
-const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
+/// Engines that are compared where none is named, as far as they have the means for the scene.
+const ENGINES: [&str; 5] =
+    ["rattle", "rattle:order=8", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
 
 /// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
 const QUICK_DURATION: f64 = 2.0;
@@ -28,8 +29,8 @@ pub struct Args {
     /// .urdf files or scene .json files.
     #[arg(required = true)]
     input: Vec<PathBuf>,
-    /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle and three
-    /// settings of rapier].
+    /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle at orders 2 and
+    /// 8 and three settings of rapier].
     #[arg(long, value_name = "SPEC")]
     engine: Vec<String>,
     /// Step size, s; may be given several times [default: those of the scene].
@@ -57,16 +58,17 @@ struct Task {
     path: PathBuf,
     scene: Scene,
     system: System,
+    engines: Vec<Spec>,
     horizons: Vec<Horizon>,
     folder: PathBuf,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let engines = engines(args)?;
+    let named = engines(&args.engine)?;
     let budget = Duration::try_from_secs_f64(input::positive("--budget", args.budget)?).unwrap_or(Duration::MAX);
     let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     // Everything that can be wrong is found before the first run starts.
-    let tasks = args.input.iter().map(|path| task(args, path)).collect::<Result<Vec<Task>, CliError>>()?;
+    let tasks = args.input.iter().map(|path| task(args, &named, path)).collect::<Result<Vec<Task>, CliError>>()?;
     for (i, task) in tasks.iter().enumerate() {
         if let Some(other) = tasks[..i].iter().find(|other| other.folder == task.folder) {
             let (first, second) = (other.path.clone(), task.path.clone());
@@ -80,7 +82,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     for task in &tasks {
         let comparison = Comparison {
             system: &task.system,
-            engines: &engines,
+            engines: &task.engines,
             horizons: &task.horizons,
             budget,
             jobs: jobs.unwrap_or(1),
@@ -90,13 +92,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The engines named, or the default ones, none twice.
-fn engines(args: &Args) -> Result<Vec<Spec>, CliError> {
-    let named: Vec<&str> =
-        if args.engine.is_empty() { ENGINES.to_vec() } else { args.engine.iter().map(String::as_str).collect() };
+/// Reads specs, none twice.
+fn engines<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
     let mut specs: Vec<Spec> = Vec::new();
-    for text in named {
-        let spec = Spec::parse(text)?;
+    for text in texts {
+        let spec = Spec::parse(text.as_ref())?;
         if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
             specs.push(spec);
         }
@@ -104,7 +104,14 @@ fn engines(args: &Args) -> Result<Vec<Spec>, CliError> {
     Ok(specs)
 }
 
-fn task(args: &Args, path: &Path) -> Result<Task, CliError> {
+/// The default engines that support a system.
+fn default_engines(system: &System, step: f64) -> Result<Vec<Spec>, CliError> {
+    let mut specs = engines(&ENGINES)?;
+    specs.retain(|spec| crate::engines::build(spec, system, step).is_ok());
+    Ok(specs)
+}
+
+fn task(args: &Args, named: &[Spec], path: &Path) -> Result<Task, CliError> {
     let scene = input::scene(path)?;
     let system = input::system(path, &scene)?;
     let asked = args.duration.unwrap_or(scene.duration);
@@ -116,12 +123,16 @@ fn task(args: &Args, path: &Path) -> Result<Task, CliError> {
         steps.truncate(QUICK_STEPS);
     }
     let horizons = steps.iter().map(|&step| Horizon::nearest(step, duration)).collect::<Result<Vec<Horizon>, _>>()?;
+    let engines = match steps.first() {
+        Some(&step) if named.is_empty() => default_engines(&system, step)?,
+        _ => named.to_vec(),
+    };
     let folder = match &args.out {
         Some(out) if args.input.len() == 1 => out.clone(),
         Some(out) => out.join(&scene.name),
         None => Path::new("reports").join(&scene.name),
     };
-    Ok(Task { path: path.to_path_buf(), scene, system, horizons, folder })
+    Ok(Task { path: path.to_path_buf(), scene, system, engines, horizons, folder })
 }
 
 /// Runs one comparison, writes its report and prints its table. What was finished before an interruption is kept.

@@ -22,7 +22,6 @@ pub fn joint_residual(system: &System, state: &State, body: usize) -> Residual {
 
 /// The largest residual over all joints. NaN where any is.
 pub fn residual(system: &System, state: &State) -> Residual {
-    let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
     (0..system.bodies.len()).map(|i| joint_residual(system, state, i)).fold(
         Residual { position: 0.0, velocity: 0.0 },
         |all, one| Residual {
@@ -30,4 +29,9 @@ pub fn residual(system: &System, state: &State) -> Residual {
             velocity: larger(all.velocity, one.velocity),
         },
     )
+}
+
+/// The larger of two numbers; NaN where one is.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
 }

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use super::{Body, BodyState, Joint, JointKind, State, System};
+use super::{Body, BodyState, Joint, JointKind, State, System, constraint};
 
 /// Positions and velocities of one joint; entries past its degrees of freedom are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -158,12 +158,8 @@ impl Placed {
         let free = kind.free();
         let (_, locked) = kind.decompose(&self.relative);
         let twist = [self.twist.0.x, self.twist.0.y, self.twist.0.z, self.twist.1.x, self.twist.1.y, self.twist.1.z];
-        let largest = |values: [f64; 6]| {
-            (0..6)
-                .filter(|&i| !free[i])
-                .map(|i| values[i].abs())
-                .fold(0.0, |a: f64, x| if x.is_nan() { x } else { a.max(x) })
-        };
+        let largest =
+            |values: [f64; 6]| (0..6).filter(|&i| !free[i]).map(|i| values[i].abs()).fold(0.0, constraint::larger);
         (largest(locked), largest(twist))
     }
 }

@@ -17,8 +17,8 @@ pub fn common_step(report: &Report) -> Option<f64> {
         .min_by(|&a, &b| completed(b).cmp(&completed(a)).then(far(a).total_cmp(&far(b))))
 }
 
-/// Compares the engine with the smallest energy error with the next best one, at one step size, by the states as the
-/// engines return them. Where an engine has a smaller time-level-corrected error it is told beside.
+/// Compares the run with the smallest energy error with the best one of another engine (another setting where there is no
+/// other engine), at one step size, by the states as the engines return them. Where an engine has a smaller time-level-corrected error it is told beside.
 pub fn sentence(report: &Report) -> String {
     let Some(step) = common_step(report) else {
         return "No engine completed a run of this scene.".to_string();
@@ -45,9 +45,16 @@ pub fn sentence(report: &Report) -> String {
         text += &format!(" and the joints to {} m or rad", written(joints.max_position));
     }
     text += &cost(best);
-    if let Some((next, energy)) = others.first() {
-        let error = written(energy.max_relative_error);
-        text += &format!("; the next best, {}, errs by {error}{}", next.engine, corrected(energy));
+    let other = others.iter().find(|(run, _)| engine(run) != engine(best));
+    if let Some((next, energy)) = other.or(others.first()) {
+        let rank = if other.is_none() {
+            format!("the next best, {},", next.engine)
+        } else if engine(next) == next.engine {
+            next.engine.clone()
+        } else {
+            format!("the best of {}, {},", engine(next), next.engine)
+        };
+        text += &format!("; {rank} errs by {}{}", written(energy.max_relative_error), corrected(energy));
         if let Some(joints) = &next.constraint {
             text += &format!(" and {}", written(joints.max_position));
         }
@@ -64,6 +71,11 @@ pub fn sentence(report: &Report) -> String {
         text += &format!(" Not finished at this step: {}.", unfinished.join(", "));
     }
     text
+}
+
+/// The engine's name without its settings.
+fn engine(run: &Run) -> &str {
+    run.engine.split(':').next().unwrap_or_default()
 }
 
 fn cost(run: &Run) -> String {

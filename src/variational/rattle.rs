@@ -11,9 +11,11 @@
 //! G(q1) M^-1 p1 = 0                               the twists fit: this fixes lambda1      (5)
 //! ```
 //!
-//! (3) is solved by a chord iteration with the articulated-body factorisation at `q0`, which is the one
-//! that (5) of the step before has made: one factorisation a step. The multipliers live in the joints as wrench impulses
-//! `h/2 lambda`; the next step starts from their extrapolation in the child's body frame.
+//! (3) is solved by a chord iteration with the articulated-body factorisation at `q0`, which is the one that (5) of the step
+//! before has made: one factorisation a step. The multipliers live in the joints as wrench impulses `h/2 lambda`; the next
+//! step starts from their extrapolation in the child's body frame. Where the iteration does not contract, as in a whip with
+//! `h |Omega|` near 1, it goes on with the exact linearisation. `phi(q1)` is computed from the motions of the step, not from
+//! the difference of positions, and the iteration ends at the roundoff of the motions: small steps do not cancel.
 //!
 //! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
 //! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
@@ -92,10 +94,10 @@ pub struct Rattle {
     pose: Vec<Pose>,
     places: Vec<Place>,
     tree: Tree,
-    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
-    damped: Option<Tree>,
     /// The part of the joints' mismatch there that the next step takes away.
     gap0: Vec<Twist>,
+    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
+    damped: Option<Tree>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,
@@ -290,9 +292,9 @@ impl Rattle {
             };
             trial.hm = hm;
             trial.motion.s = pose.r * trial.s;
-            trial.roundoff = trial.motion.dx.amax()
-                + self.length * hm.amax() / node.inertia.min()
-                + self.wrench[i].linear.amax() * (h.abs() / node.mass);
+            trial.roundoff = trial.motion.dx.norm()
+                + self.length * hm.norm() / node.inertia.min()
+                + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
         Ok(())
     }
@@ -300,21 +302,23 @@ impl Rattle {
     /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
     /// the system's length), and how small roundoff lets it become.
     fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
-        let (mut worst, mut joint, mut roundoff) = (0.0, 0, 0.0_f64);
+        // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
+        let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
             let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
             let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let mut size = gap.linear.amax() + self.length * gap.angular.amax();
+            let mut size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
             if node.damping > 0.0 {
                 self.travel[i] = moved.travel(node, place, parent);
                 self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
-                size += h.abs() * self.along[i].amax() * self.compliance(i);
+                size += h.abs() * self.along[i].norm() * self.compliance(i);
             }
-            if !(size <= worst) {
-                (worst, joint) = (size, i - 1);
+            // What is not a number stays the worst.
+            if size > worst || !(size + trial.roundoff).is_finite() {
+                (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
             }
             roundoff = trial.roundoff.max(roundoff);
         }

@@ -1,0 +1,63 @@
+//! Random trees of bodies in random states on their constraint manifold.
+
+use nalgebra::{Isometry3, Vector3};
+use proptest::array::{uniform3, uniform6};
+use proptest::prelude::*;
+use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
+use rattlebench::mechanics::{Body, Joint, JointKind, System};
+
+/// All joint kinds.
+pub const KINDS: [JointKind; 5] =
+    [JointKind::Revolute, JointKind::Prismatic, JointKind::Planar, JointKind::Spherical, JointKind::Floating];
+
+/// A body on a joint to the ground or to any body before it.
+fn body(index: usize) -> impl Strategy<Value = (Body, JointCoordinates)> {
+    let frame = || {
+        (uniform3(-0.5..0.5), uniform3(-2.0..2.0))
+            .prop_map(|(offset, turn)| Isometry3::new(Vector3::from(offset), Vector3::from(turn)))
+    };
+    (
+        -1.0..1.0_f64,
+        uniform3(0.02..0.2_f64),
+        (prop::sample::select(&KINDS), 0..=index),
+        (frame(), frame()),
+        (uniform6(-1.0..1.0), uniform6(prop_oneof![0.5..3.0, -3.0..-0.5])),
+    )
+        .prop_map(move |(exponent, spread, (kind, parent), (in_parent, in_child), (position, velocity))| {
+            let mass = 10_f64.powf(exponent);
+            // Second moments of the mass along the axes, kg m^2.
+            let jd = spread.map(|s| mass * s * s);
+            let inertia = Vector3::new(jd[1] + jd[2], jd[2] + jd[0], jd[0] + jd[1]);
+            let parent = parent.checked_sub(1);
+            let joint = Joint { name: format!("joint {index}"), kind, parent, in_parent, in_child, damping: 0.0 };
+            let d = kind.degrees_of_freedom();
+            let first = |values: [f64; 6]| std::array::from_fn(|k| if k < d { values[k] } else { 0.0 });
+            let theta = JointCoordinates { position: first(position), velocity: first(velocity) };
+            (Body { name: format!("body {index}"), mass, inertia, joint }, theta)
+        })
+}
+
+/// A tree of 1 to 5 bodies under gravity in any direction.
+pub fn tree() -> impl Strategy<Value = System> {
+    let bodies = (1_usize..=5).prop_flat_map(|n| (0..n).map(body).collect::<Vec<_>>());
+    (bodies, uniform3(-10.0..10.0)).prop_map(|(list, gravity)| {
+        let (bodies, initial_coordinates): (Vec<_>, Vec<_>) = list.into_iter().unzip();
+        System {
+            name: "random tree".into(),
+            initial: forward_kinematics(&bodies, &initial_coordinates),
+            bodies,
+            gravity: Vector3::from(gravity),
+            initial_coordinates,
+            energy_scale: 1.0,
+            floating_base: None,
+        }
+    })
+}
+
+/// A step of 1 to 10 ms, forward or, as in the compositions of high order, backward.
+pub fn step_size() -> impl Strategy<Value = f64> {
+    (-3.0..-2.0_f64, any::<bool>()).prop_map(|(exponent, backward)| {
+        let h = 10_f64.powf(exponent);
+        if backward { -h } else { h }
+    })
+}

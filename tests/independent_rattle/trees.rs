@@ -1,5 +1,7 @@
 //! Random trees of bodies in random states on their constraint manifold.
 
+use std::ops::Range;
+
 use nalgebra::{Isometry3, Vector3};
 use proptest::array::{uniform3, uniform6};
 use proptest::prelude::*;
@@ -54,9 +56,9 @@ pub fn tree() -> impl Strategy<Value = System> {
     })
 }
 
-/// A step of 1 to 10 ms, forward or, as in the compositions of high order, backward.
-pub fn step_size() -> impl Strategy<Value = f64> {
-    (-3.0..-2.0_f64, any::<bool>()).prop_map(|(exponent, backward)| {
+/// A step of `10^exponent` s, forward or, as in the compositions of high order, backward.
+pub fn step_size(exponents: Range<f64>) -> impl Strategy<Value = f64> {
+    (exponents, any::<bool>()).prop_map(|(exponent, backward)| {
         let h = 10_f64.powf(exponent);
         if backward { -h } else { h }
     })

@@ -98,7 +98,8 @@ fn zoo() -> System {
 
 #[test]
 fn a_chain_of_every_joint_type_has_order_two_and_holds_its_joints() {
-    assert_order_two_and_joints_hold(&zoo(), 1.0, 1e-4);
+    // measured 6.2e-7, order 2.00, position 1.6e-15 m, velocity 4.9e-15
+    assert_order_two_and_joints_hold(&zoo(), 1.0, 1.5e-6);
 }
 
 /// A spatial chain of five links with revolute, spherical and prismatic joints.
@@ -160,10 +161,12 @@ fn a_free_body_keeps_its_momenta_over_a_million_steps() {
         worst = worst.max((spin(&system, &state) - spin0).norm() / spin0.norm());
     }
     println!("angular momentum {worst:.1e}");
-    assert!(worst <= 1e-13);
+    // measured 6.4e-15
+    assert!(worst <= 2e-14);
     for c in &conserved {
         let error = (c.value(&system, &state) - c.value(&system, &system.initial)).abs() / c.scale;
-        assert!(error <= 1e-11, "{}: {error:e}", c.name);
+        // measured at most 1.6e-16
+        assert!(error <= 5e-16, "{}: {error:e}", c.name);
     }
 }
 

@@ -21,6 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
     keys: &[Key::Choice(&ORDER), Key::Choice(&ROTATION)],
+    parts: &[],
     build,
 };
 

@@ -8,10 +8,12 @@ pub mod constraint;
 pub mod coordinates;
 pub mod energy;
 pub mod momentum;
+mod parts;
 mod system;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+pub use parts::{Anchor, Closure, Coupling, Drive, JointSpring, Part, Parts, PointSpring};
 pub use system::CompileError;
 
 use coordinates::JointCoordinates;
@@ -22,6 +24,8 @@ pub struct System {
     pub name: String,
     /// Parents before children.
     pub bodies: Vec<Body>,
+    /// What there is beside the tree.
+    pub parts: Parts,
     /// m/s^2, world axes
     pub gravity: Vector3<f64>,
     /// The state at t = 0, on the constraint manifold to roundoff.

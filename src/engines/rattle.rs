@@ -13,8 +13,9 @@ static ORDER: Choice = Choice {
 
 static ROTATION: Choice = Choice {
     name: "rotation",
-    words: &["moser_veselov", "cayley"],
-    summary: "how bodies turn: RATTLE proper, for less than about 1 rad a step, or a rule without that limit",
+    words: &["auto", "moser_veselov", "splitting", "cayley"],
+    summary: "how bodies turn: moser_veselov is RATTLE proper, for less than about 1 rad a step, the others have no such \
+              limit; auto moves a body from the first to splitting, once, when it turns too fast",
 };
 
 pub(super) const ENTRY: Entry = Entry {
@@ -41,11 +42,12 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     }
     let rattle = Rattle::new(system)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step, &names) })?;
-    let rotation = match spec.word(&ROTATION) {
-        "cayley" => Rotation::Cayley,
-        _ => Rotation::MoserVeselov,
+    let rattle = match spec.word(&ROTATION) {
+        "moser_veselov" => rattle.with_rotation(Rotation::MoserVeselov),
+        "splitting" => rattle.with_rotation(Rotation::Splitting),
+        "cayley" => rattle.with_rotation(Rotation::Cayley),
+        _ => rattle.with_automatic_rotation(),
     };
-    let rattle = rattle.with_rotation(rotation);
     let names = (0..system.bodies.len()).map(names).collect();
     let substeps = composition.weights().map(|w| w * step).collect();
     Ok(Box::new(RattleEngine {
@@ -98,6 +100,17 @@ impl Engine for RattleEngine {
             self.rattle.write_state(out);
         }
     }
+
+    fn remarks(&self) -> Vec<String> {
+        let switched = self.rattle.switched().iter().map(|&(body, time)| {
+            format!(
+                "body '{}' turns too fast for the Moser-Veselov equation at t = {time:.6} s; from there on it turns by \
+                 rotation=splitting",
+                self.names[body].0
+            )
+        });
+        switched.collect()
+    }
 }
 
 /// A failure with names, time and remedy. `names(i)` are those of body `i` and its joint.
@@ -105,7 +118,7 @@ fn describe(failure: Failure, time: f64, step: f64, names: &dyn Fn(usize) -> (St
     match failure {
         Failure::Rotation { body, angle } => format!(
             "t = {time:.6} s: body '{}' turns by h |Omega| = {angle:.3} rad in one step of {step} s, too far for the \
-             Moser-Veselov equation; take a step below {:.1e} s, or rotation=cayley",
+             Moser-Veselov equation; take a step below {:.1e} s, or rotation=auto",
             names(body).0,
             0.5 * step / angle
         ),

@@ -48,6 +48,9 @@ const RETURN: f64 = 3e-5;
 /// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions.
 const NEGLIGIBLE: f64 = 0.01;
 
+/// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
+const FAST: f64 = 0.25;
+
 /// Why a step could not be taken. Bodies and joints are named by the index of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
@@ -93,7 +96,11 @@ struct Trial {
 pub struct Rattle {
     nodes: Vec<Node>,
     gravity: Vector3<f64>,
-    rotation: Rotation,
+    /// How each body turns, and whether a body for which Moser-Veselov has no solution goes over to the splitting.
+    rules: Vec<Rotation>,
+    automatic: bool,
+    /// Bodies that went over, and when (s).
+    switched: Vec<(usize, f64)>,
     bodies: Vec<Body>,
     /// The configuration at the start of the step, the joints' places in it, and its factorisation.
     pose: Vec<Pose>,
@@ -171,7 +178,9 @@ impl Rattle {
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let mut rattle = Rattle {
             gravity: system.gravity,
-            rotation: Rotation::MoserVeselov,
+            rules: vec![Rotation::MoserVeselov; n],
+            automatic: false,
+            switched: Vec::with_capacity(n),
             bodies,
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
@@ -199,7 +208,19 @@ impl Rattle {
 
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
     pub fn with_rotation(self, rotation: Rotation) -> Rattle {
-        Rattle { rotation, ..self }
+        Rattle { rules: vec![rotation; self.nodes.len()], automatic: false, ..self }
+    }
+
+    /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
+    /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
+    /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
+    pub fn with_automatic_rotation(self) -> Rattle {
+        Rattle { rules: vec![Rotation::MoserVeselov; self.nodes.len()], automatic: true, ..self }
+    }
+
+    /// The bodies that [`Rattle::with_automatic_rotation`] has moved to the splitting, by index, and when (s).
+    pub fn switched(&self) -> &[(usize, f64)] {
+        &self.switched
     }
 
     /// Lets the constraint iteration stop at a residual (m; angles times the mean length of a link) instead of at roundoff.
@@ -219,7 +240,7 @@ impl Rattle {
                 .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
                 .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         }
-        self.solve_constraints(h)?;
+        self.solve_or_switch(h)?;
         self.predictor.record(self.time, h, &self.pose, &self.wrench);
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
@@ -233,6 +254,42 @@ impl Rattle {
         self.project_momenta(h);
         self.time += h;
         Ok(())
+    }
+
+    /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
+    fn solve_or_switch(&mut self, h: f64) -> Result<(), Failure> {
+        let before = self.switched.len();
+        loop {
+            let failure = match self.solve_constraints(h) {
+                Err(failure) if self.automatic => failure,
+                result => return result,
+            };
+            let body = match failure {
+                Failure::Rotation { body, .. } => Some(body),
+                Failure::Constraint { .. } => self.fastest_turning(),
+                Failure::Singular { .. } | Failure::NotFinite { .. } => None,
+            };
+            match body {
+                Some(body) if self.rules[body + 1] != Rotation::Splitting => {
+                    self.rules[body + 1] = Rotation::Splitting;
+                    self.switched.push((body, self.time));
+                }
+                _ => {
+                    for (body, _) in self.switched.drain(before..) {
+                        self.rules[body + 1] = Rotation::MoserVeselov;
+                    }
+                    return Err(failure);
+                }
+            }
+        }
+    }
+
+    /// The body that turns most in the step that was tried last, by more than [`FAST`], of those that can go over to the
+    /// splitting.
+    fn fastest_turning(&self) -> Option<usize> {
+        let turn = |i: &usize| self.trial[*i].s.norm();
+        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] != Rotation::Splitting);
+        candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
     }
 
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
@@ -303,7 +360,7 @@ impl Rattle {
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
-            trial.s = match self.rotation.solve(&node.inertia, &hm, &start) {
+            trial.s = match self.rules[i].solve(&node.inertia, &hm, &start) {
                 Some(s) => s,
                 None => {
                     let angle = hm.component_div(&node.inertia).norm();
@@ -361,7 +418,7 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
-            let k = self.rotation.derivative(&node.inertia, &trial.s, &trial.hm);
+            let k = self.rules[i].derivative(&node.inertia, &trial.s, &trial.hm);
             self.newton.tried[i] = Tried {
                 motion: trial.motion,
                 inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),

@@ -4,17 +4,23 @@
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
 //! body turns by a rule of [`rotation`]; [`composition`] raises the order.
 
+mod attitude;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
 mod free_body;
 mod joints;
+pub mod lobatto;
+pub mod method;
 mod newton;
 mod predictor;
 pub mod rattle;
 pub mod rotation;
 mod spatial;
+mod tableau;
 mod tree;
 
+pub use lobatto::Lobatto;
+pub use method::Method;
 pub use rattle::{Failure, Rattle};
 pub use rotation::Rotation;

@@ -29,6 +29,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
+use super::method::Method;
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
 use super::rotation::Rotation;
@@ -37,16 +38,16 @@ use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, JointKind, State, System};
 
 /// Rounds of the chord iteration after which a step is given up.
-const MOST_ROUNDS: usize = 60;
+pub(super) const MOST_ROUNDS: usize = 60;
 
 /// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is known
 /// to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the step,
 /// into the momenta. The noise has a bias, and the energy drifts in proportion to this rate: at 1e-3 a pendulum loses 1.3e-20
 /// of its energy scale a step, at 1e-4 2.8e-21, below that nothing is left of it.
-const RETURN: f64 = 3e-5;
+pub(super) const RETURN: f64 = 3e-5;
 
 /// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions.
-const NEGLIGIBLE: f64 = 0.01;
+pub(super) const NEGLIGIBLE: f64 = 0.01;
 
 /// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
 const FAST: f64 = 0.25;
@@ -66,13 +67,13 @@ pub enum Failure {
 
 /// Position and momentum of a body, as running compensated sums.
 #[derive(Clone, Copy, Debug)]
-struct Body {
-    x: Compensated3,
-    q: Compensated<4>,
+pub(super) struct Body {
+    pub x: Compensated3,
+    pub q: Compensated<4>,
     /// Linear momentum, kg m/s.
-    p: Compensated3,
+    pub p: Compensated3,
     /// Spin angular momentum, world axes, kg m^2/s.
-    pi: Compensated3,
+    pub pi: Compensated3,
 }
 
 /// A body in the step that is being tried.
@@ -96,6 +97,7 @@ struct Trial {
 pub struct Rattle {
     nodes: Vec<Node>,
     gravity: Vector3<f64>,
+    method: Method,
     /// How each body turns, and whether a body for which Moser-Veselov has no solution goes over to the splitting.
     rules: Vec<Rotation>,
     automatic: bool,
@@ -149,12 +151,6 @@ impl Rattle {
     pub fn from_state(system: &System, state: &State) -> Result<Rattle, Failure> {
         let nodes = nodes(system);
         let n = nodes.len();
-        let ground = Body {
-            x: Vector3::zeros().into(),
-            q: Compensated::new(Pose::GROUND.q),
-            p: Vector3::zeros().into(),
-            pi: Vector3::zeros().into(),
-        };
         let rest = Trial {
             kick: Spatial::ZERO,
             motion: Motion::NONE,
@@ -162,22 +158,11 @@ impl Rattle {
             hm: Vector3::zeros(),
             s: Vector3::zeros(),
         };
-        let mut bodies = vec![ground; n];
-        let mut pose = vec![Pose::GROUND; n];
-        for (i, b) in state.bodies.iter().enumerate() {
-            let omega = b.attitude.inverse_transform_vector(&b.angular_velocity);
-            let pi = b.attitude * system.bodies[i].inertia.component_mul(&omega);
-            bodies[i + 1] = Body {
-                x: b.position.into(),
-                q: Compensated::new(b.attitude.coords),
-                p: (system.bodies[i].mass * b.velocity).into(),
-                pi: pi.into(),
-            };
-            pose[i + 1] = Pose::new(b.position, b.attitude.coords);
-        }
+        let (bodies, pose) = bodies(system, state);
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let mut rattle = Rattle {
             gravity: system.gravity,
+            method: Method::Rattle,
             rules: vec![Rotation::MoserVeselov; n],
             automatic: false,
             switched: Vec::with_capacity(n),
@@ -204,6 +189,11 @@ impl Rattle {
         rattle.factorise()?;
         rattle.project_momenta(0.0);
         Ok(rattle)
+    }
+
+    /// Steps by another map than [`Method::Rattle`].
+    pub fn with_method(self, method: Method) -> Rattle {
+        Rattle { method, ..self }
     }
 
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
@@ -349,8 +339,9 @@ impl Rattle {
 
     /// (1) and (2) with the present wrenches.
     fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
+        let (part, _) = self.method.parts();
         for i in 1..self.nodes.len() {
-            self.trial[i].kick = Spatial::new(0.5 * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
+            self.trial[i].kick = Spatial::new(part * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
         }
         for i in 1..self.nodes.len() {
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
@@ -451,9 +442,10 @@ impl Rattle {
 
     /// (4) and (5): the second half kick of a step of size `h`, and the joint impulses that make the twists fit.
     fn project_momenta(&mut self, h: f64) {
+        let (_, part) = self.method.parts();
         let (nodes, bodies, twist, wrench) = (&self.nodes, &self.bodies, &mut self.twist, &mut self.wrench);
         for i in 1..nodes.len() {
-            self.trial[i].kick = Spatial::new(0.5 * h * nodes[i].mass * self.gravity, Vector3::zeros());
+            self.trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.gravity, Vector3::zeros());
         }
         if self.damped.is_some() && h > 0.0 {
             for i in (1..nodes.len()).filter(|&i| nodes[i].damping > 0.0) {
@@ -474,6 +466,9 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
             keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            if self.method == Method::Shake && h != 0.0 {
+                continue;
+            }
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
@@ -507,9 +502,26 @@ impl Rattle {
     }
 }
 
+/// The bodies of a state behind one for the ground, and their poses.
+pub(super) fn bodies(system: &System, state: &State) -> (Vec<Body>, Vec<Pose>) {
+    let zero: Compensated3 = Vector3::zeros().into();
+    let ground = Body { x: zero, q: Compensated::new(Pose::GROUND.q), p: zero, pi: zero };
+    let moving = state.bodies.iter().zip(&system.bodies).map(|(b, body)| {
+        let omega = b.attitude.inverse_transform_vector(&b.angular_velocity);
+        Body {
+            x: b.position.into(),
+            q: Compensated::new(b.attitude.coords),
+            p: (body.mass * b.velocity).into(),
+            pi: (b.attitude * body.inertia.component_mul(&omega)).into(),
+        }
+    });
+    let poses = state.bodies.iter().map(|b| Pose::new(b.position, b.attitude.coords));
+    (std::iter::once(ground).chain(moving).collect(), std::iter::once(Pose::GROUND).chain(poses).collect())
+}
+
 /// Inertia about the centre of mass in world axes.
 #[inline(always)]
-fn world_inertia(node: &Node, pose: &Pose) -> Matrix3<f64> {
+pub(super) fn world_inertia(node: &Node, pose: &Pose) -> Matrix3<f64> {
     let mut scaled = pose.r;
     for k in 0..3 {
         scaled.column_mut(k).scale_mut(node.inertia[k]);
@@ -530,14 +542,14 @@ fn add_joint_impulse(trial: &mut [Trial], nodes: &[Node], places: &[Place], i: u
 /// What a quaternion lacks to have length one, to first order. A length off by roundoff scales the attitude matrix, and so all
 /// momenta in body axes, and wanders: order 8 on a double pendulum loses a factor 7 in energy over 170 000 steps to it.
 #[inline(always)]
-fn norm_defect(q: &Vector4<f64>) -> Vector4<f64> {
+pub(super) fn norm_defect(q: &Vector4<f64>) -> Vector4<f64> {
     q * (0.5 * (1.0 - q.norm_squared()))
 }
 
 /// `q0 F(s) - q0`, without cancellation for small `s`: with `c = 1 / sqrt(1 + |s|^2)` the scalar part of `F - 1` is
 /// `c - 1 = -|s|^2 c^2 / (1 + c)`.
 #[inline(always)]
-fn rotation_increment(q0: &Vector4<f64>, s: &Vector3<f64>) -> Vector4<f64> {
+pub(super) fn rotation_increment(q0: &Vector4<f64>, s: &Vector3<f64>) -> Vector4<f64> {
     let square = s.norm_squared();
     let c = 1.0 / (1.0 + square).sqrt();
     let scalar = -square * c * c / (1.0 + c);

@@ -5,11 +5,12 @@
 //!
 //! ```text
 //! B_i = h c_i hat(Omega0) + sum_k (a ahat)_ik X_k ,     F_i^T F_i = 1 ,     i = 2 ... s
-//! F_k^T X_k Jd - Jd X_k^T F_k = h^2 hat(tau_k) ,                             k = 1 ... s-1
+//! F_k^T Y_k - Y_k^T F_k = h^2 hat(tau_k) ,    Y_k = X_k Jd - h^2 N_k ,        k = 1 ... s-1
 //! ```
 //!
-//! where `tau_k` is the torque in the body's frame at the stage. The multipliers of `F^T F = 1` are the symmetric parts of
-//! `F_k^T X_k Jd`, so they do not appear. `9 (s - 1)` equations for as many unknowns, solved by Newton's method with a
+//! where `N_k = sum f r^T` over the forces `f` at points `r` of the body, whose moment follows the body's turn, and `tau_k` are
+//! the other torques, in the body's frame at the stage. The multipliers of `F^T F = 1` are the symmetric parts of
+//! `F_k^T Y_k`, so they do not appear. `9 (s - 1)` equations for as many unknowns, solved by Newton's method with a
 //! factorisation that is kept while it contracts.
 
 use nalgebra::{Matrix3, Vector3};
@@ -75,20 +76,21 @@ impl Attitude {
         self.fresh = false;
     }
 
-    /// Solves for `x` and `turn`. `omega` is `h Omega0` in the body's frame at the start, `torque[k]` is `h^2 tau_k`.
+    /// Solves for `x` and `turn`. `omega` is `h Omega0` in the body's frame at the start, `forces[k]` are
+    /// `h^2 tau_k` and `h^2 N_k`.
     /// Returns whether the iteration went down to roundoff.
-    pub(super) fn solve(&mut self, t: &Tableau, omega: &Vector3<f64>, torque: &PerStage<Vector3<f64>>) -> bool {
+    pub(super) fn solve(&mut self, t: &Tableau, omega: &Vector3<f64>, forces: &PerStage<(Vector3<f64>, Matrix3<f64>)>) -> bool {
         let mut last = f64::INFINITY;
         self.set_turns(t, omega);
         for _ in 0..MOST_ITERATIONS {
             if !self.fresh {
-                self.linearise(t);
+                self.linearise(t, forces);
                 if !self.factorise() {
                     return false;
                 }
                 self.fresh = true;
             }
-            self.residual(t, torque);
+            self.residual(t, forces);
             self.back_substitute();
             let mut update = 0.0_f64;
             for (k, x) in self.x.iter_mut().enumerate().take(t.stages - 1) {
@@ -121,7 +123,7 @@ impl Attitude {
     }
 
     /// The equations, left minus right side; those of the torque over the moments that they are about.
-    fn residual(&mut self, t: &Tableau, torque: &PerStage<Vector3<f64>>) {
+    fn residual(&mut self, t: &Tableau, forces: &PerStage<(Vector3<f64>, Matrix3<f64>)>) {
         let s = t.stages;
         for i in 1..s {
             let b = &self.turn[i];
@@ -132,16 +134,17 @@ impl Attitude {
         }
         for k in 0..s - 1 {
             let f = Matrix3::identity() + self.turn[k];
-            let m = f.tr_mul(&self.x[k]) * self.jd();
+            let (torque, virial) = &forces[k];
+            let m = f.tr_mul(&(self.x[k] * self.jd() - virial));
             for (row, (p, q)) in SKEW.into_iter().enumerate() {
-                let moment = m[(p, q)] - m[(q, p)] - torque[k][row];
+                let moment = m[(p, q)] - m[(q, p)] - torque[row];
                 self.right[6 * (s - 1) + 3 * k + row] = moment / (self.jd[p] + self.jd[q]);
             }
         }
     }
 
     /// The derivative of [`Attitude::residual`] by the entries of `X_1, X_2, ...`, column by column of each.
-    fn linearise(&mut self, t: &Tableau) {
+    fn linearise(&mut self, t: &Tableau, forces: &PerStage<(Vector3<f64>, Matrix3<f64>)>) {
         let (s, n) = (t.stages, self.size);
         let unit = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
         for (m, column, r) in (0..s - 1).flat_map(|m| (0..9).map(move |e| (m, e / 3, e % 3))) {
@@ -158,8 +161,8 @@ impl Attitude {
                 let own = unit(k, m);
                 for (row, (p, q)) in SKEW.into_iter().enumerate() {
                     let of_x = f[(r, p)] * unit(column, q) * self.jd[q] - f[(r, q)] * unit(column, p) * self.jd[p];
-                    let x = &self.x[k];
-                    let of_f = unit(column, p) * x[(r, q)] * self.jd[q] - unit(column, q) * x[(r, p)] * self.jd[p];
+                    let y = |c: usize| self.x[k][(r, c)] * self.jd[c] - forces[k].1[(r, c)];
+                    let of_f = unit(column, p) * y(q) - unit(column, q) * y(p);
                     let moment = own * of_x + t.product[k][m] * of_f;
                     self.matrix[(6 * (s - 1) + 3 * k + row) * n + at] = moment / (self.jd[p] + self.jd[q]);
                 }

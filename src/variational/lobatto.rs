@@ -15,9 +15,10 @@
 //! Two stages are RATTLE. The map is symplectic, symmetric and of order `2 s - 2` on the constraint manifold.
 //!
 //! For given forces of the joints at the stages each body is solved on its own (`attitude.rs`), as the discrete
-//! Moser-Veselov equation is in RATTLE. The joints are closed by a chord iteration with the linearisation at `q0`: what
-//! closes them at each stage by the articulated-body recursion, combined by the inverse of `(a ahat)_ik`, `i = 2 ... s`,
-//! `k = 1 ... s-1`, changes their forces at the stages.
+//! Moser-Veselov equation is in RATTLE. The joints are closed by a chord iteration: their gaps at the stages `i = 2 ... s`
+//! are combined by the inverse of `(a ahat)_ik` into what the forces at each stage `k = 1 ... s-1` have to close, by the
+//! articulated-body recursion at that stage. With the recursion at `q0` for all of them a thin rod, whose compliance is
+//! large about one axis, would make the iteration diverge.
 //!
 //! What it does not do: joint damping, and bodies with a `Jd` that is not positive (a flat plate has none along its
 //! normal).
@@ -27,11 +28,14 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use super::Failure;
 use super::attitude::Attitude;
 use super::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
-use super::rattle::{Body, MOST_ROUNDS, NEGLIGIBLE, RETURN, bodies, norm_defect, rotation_increment, world_inertia};
+use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, rotation_increment, world_inertia};
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tableau::{MOST_STAGES, Tableau};
 use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, State, System};
+
+/// Rounds without progress after which the iteration is at roundoff.
+const STALLED: usize = 3;
 
 /// A body and its joint at a stage.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +45,12 @@ struct Stage {
     place: Place,
     /// The joint's force on the child about its joint point, axes of the joint frame in the parent, N and N m.
     wrench: Wrench,
-    /// Force of the joints on the body about its centre of mass, world axes, N and N m.
+    /// Force of the joints on the body (N) and what they exert on it beside the moments of these forces (N m), world axes.
     load: Wrench,
-    /// Right-hand side of the correction that closes the joint at this stage; then the wrench that does.
+    /// `sum f r^T` over the forces at points `r` of the body, in the body's frame at the start, N m. It does not change
+    /// while the body turns.
+    virial: Matrix3<f64>,
+    /// The twist that closes the joint at this stage in a time `h`, axes of the joint frame in the parent.
     closing: Spatial,
 }
 
@@ -67,7 +74,10 @@ pub struct Lobatto {
     bodies: Vec<Body>,
     pose: Vec<Pose>,
     places: Vec<Place>,
+    /// The factorisation at `q0`.
     tree: Tree,
+    /// Joints' places and factorisations at the stages `2 ... s-1`, for the chord iteration.
+    inner: Vec<(Vec<Place>, Tree)>,
     /// The part of the joints' mismatch at the start that the step takes away.
     gap0: Vec<Twist>,
     /// Twists that close the joints at one stage.
@@ -114,6 +124,7 @@ impl Lobatto {
             place: Place::GROUND,
             wrench: Spatial::ZERO,
             load: Spatial::ZERO,
+            virial: Matrix3::zeros(),
             closing: Spatial::ZERO,
         };
         let (bodies, pose) = bodies(system, state);
@@ -124,6 +135,7 @@ impl Lobatto {
             pose,
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
+            inner: vec![(vec![Place::GROUND; n], Tree::new(&nodes)); tableau.stages - 2],
             gap0: vec![Spatial::ZERO; n],
             bias: vec![Spatial::ZERO; n],
             stages: vec![rest; n * tableau.stages],
@@ -181,7 +193,7 @@ impl Lobatto {
             self.forget();
             return;
         }
-        for stages in self.stages.chunks_exact_mut(s) {
+        for (node, stages) in self.nodes.iter().zip(self.stages.chunks_exact_mut(s)) {
             let mut old = [Spatial::ZERO; MOST_STAGES];
             for (old, stage) in old.iter_mut().zip(stages.iter()) {
                 *old = stage.wrench;
@@ -191,6 +203,8 @@ impl Lobatto {
                 for (weight, wrench) in self.tableau.ahead[k].iter().zip(&old).take(s - 1) {
                     stage.wrench += wrench.scaled(*weight);
                 }
+                // Extrapolation would let the roundoff along the free directions grow from step to step.
+                keep_locked(node, &Place::GROUND, &mut stage.wrench);
             }
         }
         for attitude in &mut self.attitudes[1..] {
@@ -212,29 +226,31 @@ impl Lobatto {
 
     /// (1) and (2): the chord iteration, down to roundoff.
     fn iterate(&mut self, h: f64) -> Result<(), Failure> {
-        let (mut last, mut rounds) = (f64::INFINITY, 0);
-        loop {
+        let (mut best, mut stalled) = (f64::INFINITY, 0);
+        for rounds in 0.. {
             self.place_and_load();
             self.move_stages(h)?;
             let (joint, residual, roundoff) = self.measure(h);
             if !residual.is_finite() {
                 return Err(Failure::NotFinite { body: joint });
             }
-            if residual > 0.3 * last && residual <= 64.0 * roundoff {
+            // The contraction alternates, and the forces are much larger than the gaps that they close: only a residual that
+            // has not fallen for several rounds is roundoff.
+            stalled = if residual < 0.5 * best { 0 } else { stalled + 1 };
+            best = residual.min(best);
+            if residual == 0.0 || (stalled >= STALLED && best <= 64.0 * roundoff) {
                 return Ok(());
             }
-            let predicted = if rounds == 0 { residual } else { residual * (residual / last) };
-            let last_round = predicted <= NEGLIGIBLE * roundoff;
-            if rounds == MOST_ROUNDS || (rounds > 8 && residual > 1e3 * roundoff && residual > 0.95 * last) {
+            if rounds == MOST_ROUNDS {
                 return Err(Failure::Constraint { joint, rounds, residual });
             }
-            self.correct(h);
-            (last, rounds) = (residual, rounds + 1);
-            if last_round {
-                self.place_and_load();
-                return self.move_stages(h);
+            // The first round puts the bodies where the prediction has them; one that hardly helps calls for another look.
+            if rounds == 0 || stalled >= STALLED {
+                self.factorise_stages()?;
             }
+            self.correct(h);
         }
+        Ok(())
     }
 
     /// Places the joints in every stage and puts their forces on the bodies.
@@ -247,15 +263,21 @@ impl Lobatto {
                 let (pose, above) = (self.pose_at(i, k), self.pose_at(parent, k));
                 self.stages[i * s + k].place = Place::new(&self.nodes[i], &pose, &above, &parent_arm);
                 self.stages[i * s + k].load = Spatial::ZERO;
+                self.stages[i * s + k].virial = Matrix3::zeros();
             }
             for i in 1..self.nodes.len() {
                 let (stage, parent) = (self.stages[i * s + k], self.nodes[i].parent);
                 let axes = &stage.place.axes;
                 let wrench = Spatial::new(axes * stage.wrench.linear, axes * stage.wrench.angular);
-                self.stages[i * s + k].load += wrench.wrench_from(&stage.place.arm);
+                let force = self.pose[i].r.tr_mul(&wrench.linear);
+                self.stages[i * s + k].load += wrench;
+                self.stages[i * s + k].virial += force * self.nodes[i].arm.transpose();
                 if parent > 0 {
-                    let above = &mut self.stages[parent * s + k];
-                    above.load -= wrench.wrench_from(&(above.place.arm + stage.place.offset));
+                    let arm = self.stages[parent * s + k].place.arm + stage.place.offset;
+                    let arm = self.pose_at(parent, k).r.tr_mul(&arm);
+                    let force = self.pose[parent].r.tr_mul(&wrench.linear);
+                    self.stages[parent * s + k].load -= wrench;
+                    self.stages[parent * s + k].virial -= force * arm.transpose();
                 }
             }
         }
@@ -276,12 +298,13 @@ impl Lobatto {
             let omega = self.body_velocity(i) * h;
             let mass = self.nodes[i].mass;
             let velocity = self.bodies[i].p.value / mass;
-            let mut torque = [Vector3::zeros(); MOST_STAGES];
-            for (k, torque) in torque.iter_mut().enumerate().take(s - 1) {
-                let f = Matrix3::identity() + self.attitudes[i].turn[k];
-                *torque = f.tr_mul(&self.pose[i].r.tr_mul(&self.stages[i * s + k].load.angular)) * (h * h);
+            let mut forces = [(Vector3::zeros(), Matrix3::zeros()); MOST_STAGES];
+            for (k, (torque, virial)) in forces.iter_mut().enumerate().take(s - 1) {
+                let (f, stage) = (Matrix3::identity() + self.attitudes[i].turn[k], &self.stages[i * s + k]);
+                *torque = f.tr_mul(&self.pose[i].r.tr_mul(&stage.load.angular)) * (h * h);
+                *virial = stage.virial * (h * h);
             }
-            if !self.attitudes[i].solve(&self.tableau, &omega, &torque) {
+            if !self.attitudes[i].solve(&self.tableau, &omega, &forces) {
                 return Err(Failure::Rotation { body: i - 1, angle: omega.norm() });
             }
             for k in 1..s {
@@ -322,6 +345,8 @@ impl Lobatto {
                     (worst, joint) = (size + 0.0 * limit, i - 1);
                 }
                 roundoff = limit.max(roundoff);
+                let axes = &self.places[i].axes;
+                let gap = Spatial::new(axes.tr_mul(&gap.linear), axes.tr_mul(&gap.angular));
                 self.stages[i * s + k].closing = gap.scaled(-1.0 / h);
             }
         }
@@ -336,26 +361,48 @@ impl Lobatto {
         Motion { dx: stage.dx, s: self.pose[node].r * cayley_vector(&self.attitudes[node].turn[k]) }
     }
 
-    /// One round: what closes the joints of each stage at `q0`, combined into changes of their forces.
+    /// Factorises at the inner stages as they stand.
+    fn factorise_stages(&mut self) -> Result<(), Failure> {
+        let s = self.tableau.stages;
+        let mut inner = std::mem::take(&mut self.inner);
+        let mut result = Ok(());
+        for (k, (places, tree)) in (1..).zip(&mut inner) {
+            for (i, place) in places.iter_mut().enumerate().skip(1) {
+                *place = self.stages[i * s + k].place;
+            }
+            let inertia = |i: usize| world_inertia(&self.nodes[i], &self.pose_at(i, k));
+            result = result.and(tree.factorise(&self.nodes, places, inertia, |_| 0.0));
+        }
+        self.inner = inner;
+        result.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+    }
+
+    /// One round: the gaps of all stages, combined into those that the forces at one stage have to close, close them with
+    /// the factorisation at that stage.
     fn correct(&mut self, h: f64) {
         let s = self.tableau.stages;
-        for k in 1..s {
+        for k in 0..s - 1 {
+            let (places, tree) = match k.checked_sub(1) {
+                None => (&self.places, &mut self.tree),
+                Some(inner) => {
+                    let (places, tree) = &mut self.inner[inner];
+                    (&*places, tree)
+                }
+            };
             for i in 1..self.nodes.len() {
-                self.bias[i] = self.stages[i * s + k].closing;
+                let mut bias = Spatial::ZERO;
+                for row in 1..s {
+                    bias += self.stages[i * s + row].closing.scaled(self.tableau.inverse[k][row - 1] / h);
+                }
+                let axes = &places[i].axes;
+                self.bias[i] = Spatial::new(axes * bias.linear, axes * bias.angular);
             }
             let (bias, stages) = (&self.bias, &mut self.stages);
-            let keep = |i: usize, _: &Twist, f: Wrench| stages[i * s + k].closing = f;
-            self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), keep);
-        }
-        for i in 1..self.nodes.len() {
-            let axes = self.places[i].axes;
-            for row in 1..s {
-                let closing = &self.stages[i * s + row].closing;
-                let closing = Spatial::new(axes.tr_mul(&closing.linear), axes.tr_mul(&closing.angular));
-                for k in 0..s - 1 {
-                    self.stages[i * s + k].wrench += closing.scaled(self.tableau.inverse[k][row - 1] / h);
-                }
-            }
+            let add = |i: usize, _: &Twist, f: Wrench| {
+                let axes = &places[i].axes;
+                stages[i * s + k].wrench += Spatial::new(axes.tr_mul(&f.linear), axes.tr_mul(&f.angular));
+            };
+            tree.correct(&self.nodes, places, |i| bias[i], |_| Vector3::zeros(), add);
         }
     }
 

@@ -47,7 +47,7 @@ pub(super) const MOST_ROUNDS: usize = 60;
 pub(super) const RETURN: f64 = 3e-5;
 
 /// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions.
-pub(super) const NEGLIGIBLE: f64 = 0.01;
+const NEGLIGIBLE: f64 = 0.01;
 
 /// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
 const FAST: f64 = 0.25;

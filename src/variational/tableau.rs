@@ -12,10 +12,6 @@ pub(super) struct Tableau {
     pub stages: usize,
     pub c: [f64; MOST_STAGES],
     pub b: [f64; MOST_STAGES],
-    /// IIIA: `a_ij = int_0^c_i l_j`, with `l_j` the Lagrange polynomials of the nodes.
-    pub a: Table,
-    /// IIIB: `b_i ahat_ij + b_j a_ji = b_i b_j`, which makes the pair symplectic.
-    pub ahat: Table,
     /// `a ahat`
     pub product: Table,
     /// Inverse of `(a ahat)_ik`, `i = 2 ... s`, `k = 1 ... s-1`: `inverse[k][i - 1]` from zero.
@@ -28,22 +24,7 @@ impl Tableau {
     /// Two to five stages; other numbers are taken to the nearest.
     pub(super) fn new(stages: usize) -> Tableau {
         let s = stages.clamp(2, MOST_STAGES);
-        let c = nodes(s);
-        let (mut b, mut a, mut ahat) = ([0.0; MOST_STAGES], Table::default(), Table::default());
-        for j in 0..s {
-            let l = lagrange(&c[..s], j);
-            b[j] = integral(&l, 1.0);
-            for i in 0..s {
-                a[i][j] = integral(&l, c[i]);
-            }
-        }
-        for i in 0..s {
-            for j in 0..s {
-                ahat[i][j] = b[j] * (1.0 - a[j][i] / b[i]);
-            }
-            // The last column is zero, which the formula meets to roundoff only.
-            ahat[i][s - 1] = 0.0;
-        }
+        let Pair { c, b, a, ahat } = Pair::new(s);
         let mut product = Table::default();
         for i in 0..s {
             for k in 0..s {
@@ -64,7 +45,39 @@ impl Tableau {
                 ahead[k][j] = value(&lagrange(&c[..s - 1], j), 1.0 + c[k]);
             }
         }
-        Tableau { stages: s, c, b, a, ahat, product, inverse, ahead }
+        Tableau { stages: s, c, b, product, inverse, ahead }
+    }
+}
+
+/// A pair of methods.
+struct Pair {
+    c: [f64; MOST_STAGES],
+    b: [f64; MOST_STAGES],
+    /// IIIA: `a_ij = int_0^c_i l_j`, with `l_j` the Lagrange polynomials of the nodes.
+    a: Table,
+    /// IIIB: `b_i ahat_ij + b_j a_ji = b_i b_j`, which makes the pair symplectic.
+    ahat: Table,
+}
+
+impl Pair {
+    fn new(s: usize) -> Pair {
+        let c = nodes(s);
+        let (mut b, mut a, mut ahat) = ([0.0; MOST_STAGES], Table::default(), Table::default());
+        for j in 0..s {
+            let l = lagrange(&c[..s], j);
+            b[j] = integral(&l, 1.0);
+            for i in 0..s {
+                a[i][j] = integral(&l, c[i]);
+            }
+        }
+        for i in 0..s {
+            for j in 0..s {
+                ahat[i][j] = b[j] * (1.0 - a[j][i] / b[i]);
+            }
+            // The last column is zero, which the formula meets to roundoff only.
+            ahat[i][s - 1] = 0.0;
+        }
+        Pair { c, b, a, ahat }
     }
 }
 
@@ -114,7 +127,7 @@ mod tests {
     #[test]
     fn the_coefficients_meet_the_simplifying_conditions() {
         for s in 2..=MOST_STAGES {
-            let t = Tableau::new(s);
+            let t = Pair::new(s);
             let power = |x: f64, k: usize| x.powi(k as i32);
             let quadrature = |k: usize| (0..s).map(|i| t.b[i] * power(t.c[i], k - 1)).sum::<f64>() - 1.0 / k as f64;
             assert!((1..=2 * s - 2).all(|k| quadrature(k).abs() <= 4e-16), "{s}");

@@ -71,7 +71,10 @@ fn errors(system: &System, solves: usize, tolerance: f64) -> Vec<(f64, f64)> {
 fn is_a_random_walk(found: &Ensemble, most: f64) -> bool {
     let end = found.rms[found.rms.len() - 1].1;
     let exponent = slope(&found.rms);
-    println!("rms {end:.1e}, exponent {exponent:.2}, mean {:.1e} +- {:.1e}, {:?}", found.mean.0, found.mean.1, found.rms);
+    println!(
+        "rms {end:.1e}, exponent {exponent:.2}, mean {:.1e} +- {:.1e}, {:?}",
+        found.mean.0, found.mean.1, found.rms
+    );
     end <= most && (0.3..=0.7).contains(&exponent) && found.mean.0.abs() <= 3.0 * found.mean.1
 }
 

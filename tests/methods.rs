@@ -77,12 +77,8 @@ fn order(system: &System, reference: &State, steps: &[usize], map: impl Fn() -> 
 fn lobatto_methods_have_order_two_less_than_twice_their_stages() {
     let system = five_links();
     let reference = reference(&system);
-    let cases: [(usize, &[usize]); 4] = [
-        (2, &[100, 200, 400, 800]),
-        (3, &[40, 80, 160, 320]),
-        (4, &[40, 50, 64, 80]),
-        (5, &[28, 32, 36, 40]),
-    ];
+    let cases: [(usize, &[usize]); 4] =
+        [(2, &[100, 200, 400, 800]), (3, &[40, 80, 160, 320]), (4, &[40, 50, 64, 80]), (5, &[28, 32, 36, 40])];
     for (stages, steps) in cases {
         let (fitted, points) = order(&system, &reference, steps, || Map::lobatto(&system, stages));
         println!("{stages} stages: order {fitted:.2}, {points:?}");
@@ -160,9 +156,11 @@ fn the_euler_maps_are_adjoints_of_each_other() {
         let mut backward = Rattle::from_state(&system, &state).unwrap().with_method(second);
         backward.step(-5e-3).unwrap();
         backward.write_state(&mut state);
-        let velocity = state.bodies.iter().zip(&start.bodies).map(|(a, b)| {
-            (a.velocity - b.velocity).norm().max((a.angular_velocity - b.angular_velocity).norm())
-        });
+        let velocity = state
+            .bodies
+            .iter()
+            .zip(&start.bodies)
+            .map(|(a, b)| (a.velocity - b.velocity).norm().max((a.angular_velocity - b.angular_velocity).norm()));
         velocity.fold(distance(&state, &start), f64::max)
     };
     use Method::{EulerA, EulerB};

@@ -20,7 +20,8 @@ fn top() -> System {
 
 /// Five links; the last is a slender rod of 1 mm radius on a ball joint that spins at 200 rad/s while the chain whips.
 fn whip() -> System {
-    let hinges = [(Revolute, Vector3::y()), (Revolute, Vector3::z()), (Revolute, Vector3::y()), (Revolute, Vector3::z())];
+    let hinges =
+        [(Revolute, Vector3::y()), (Revolute, Vector3::z()), (Revolute, Vector3::y()), (Revolute, Vector3::z())];
     let mut scene = chain(&[&hinges[..], &[(Spherical, Vector3::x())]].concat());
     let rod = scene.model.links[5].inertial.as_mut().unwrap();
     rod.inertia = Matrix3::from_diagonal(&Vector3::new(5e-7, 7.5e-3, 7.5e-3));

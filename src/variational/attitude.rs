@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::tableau::{MOST_STAGES, Tableau};
 
 /// Newton iterations after which a step is given up.
-const MOST_ITERATIONS: usize = 40;
+pub(super) const MOST_ITERATIONS: usize = 40;
 
 type PerStage<T> = [T; MOST_STAGES];
 
@@ -78,15 +78,25 @@ impl Attitude {
 
     /// Solves for `x` and `turn`. `omega` is `h Omega0` in the body's frame at the start, `forces[k]` are
     /// `h^2 tau_k` and `h^2 N_k`.
-    /// Returns whether the iteration went down to roundoff.
-    pub(super) fn solve(&mut self, t: &Tableau, omega: &Vector3<f64>, forces: &PerStage<(Vector3<f64>, Matrix3<f64>)>) -> bool {
+    ///
+    /// # Errors
+    /// The last change of an attitude (rad) where the iteration does not go down to roundoff.
+    pub(super) fn solve(
+        &mut self,
+        t: &Tableau,
+        omega: &Vector3<f64>,
+        forces: &PerStage<(Vector3<f64>, Matrix3<f64>)>,
+    ) -> Result<(), f64> {
         let mut last = f64::INFINITY;
+        // Moments may cancel to much less than their parts.
+        let noise = forces.iter().map(|(torque, virial)| torque.amax().max(virial.amax())).fold(0.0, f64::max)
+            / (self.jd.sum() - self.jd.max());
         self.set_turns(t, omega);
         for _ in 0..MOST_ITERATIONS {
             if !self.fresh {
                 self.linearise(t, forces);
                 if !self.factorise() {
-                    return false;
+                    return Err(last);
                 }
                 self.fresh = true;
             }
@@ -100,17 +110,17 @@ impl Attitude {
                 }
             }
             self.set_turns(t, omega);
-            let size = self.x.iter().map(Matrix3::amax).fold(omega.amax(), f64::max);
+            let size = self.x.iter().map(Matrix3::amax).fold(omega.amax().max(noise), f64::max);
             if !update.is_finite() {
-                return false;
+                return Err(update);
             }
             if update <= 1e-13 * size && (update >= 0.3 * last || update <= 1e-17 * size) {
-                return true;
+                return Ok(());
             }
             self.fresh = update <= 0.1 * last;
             last = update;
         }
-        false
+        Err(last)
     }
 
     fn set_turns(&mut self, t: &Tableau, omega: &Vector3<f64>) {

@@ -176,7 +176,8 @@ mod tests {
     fn the_error_of_one_step_of_an_asymmetric_body_is_of_order_three() {
         let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.5, -0.8, 0.7));
         let error = |part: f64| (Split::of(&inertia).rotation(&(hm * part)) - exact(&inertia, &(hm * part))).norm();
-        let orders: Vec<f64> = [0.5, 0.25, 0.125].iter().map(|part| (error(2.0 * part) / error(*part)).log2()).collect();
+        let orders: Vec<f64> =
+            [0.5, 0.25, 0.125].iter().map(|part| (error(2.0 * part) / error(*part)).log2()).collect();
         // measured 3.06, 3.02, 3.01
         assert!(orders.iter().all(|p| (p - 3.0).abs() <= 0.12), "{orders:?}");
     }

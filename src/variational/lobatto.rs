@@ -26,7 +26,7 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::Failure;
-use super::attitude::Attitude;
+use super::attitude::{Attitude, MOST_ITERATIONS};
 use super::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
 use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, rotation_increment, world_inertia};
 use super::spatial::{Spatial, Twist, Wrench};
@@ -154,7 +154,7 @@ impl Lobatto {
     /// Takes one step of size `h` (s). After a failure the state is the one before the step.
     ///
     /// # Errors
-    /// [`Failure::Constraint`], [`Failure::Rotation`], [`Failure::NotFinite`], [`Failure::Singular`].
+    /// [`Failure::Constraint`], [`Failure::NotFinite`], [`Failure::Singular`].
     pub fn step(&mut self, h: f64) -> Result<(), Failure> {
         self.predict(h);
         if self.iterate(h).is_err() {
@@ -304,9 +304,11 @@ impl Lobatto {
                 *torque = f.tr_mul(&self.pose[i].r.tr_mul(&stage.load.angular)) * (h * h);
                 *virial = stage.virial * (h * h);
             }
-            if !self.attitudes[i].solve(&self.tableau, &omega, &forces) {
-                return Err(Failure::Rotation { body: i - 1, angle: omega.norm() });
-            }
+            self.attitudes[i].solve(&self.tableau, &omega, &forces).map_err(|change| Failure::Constraint {
+                joint: i - 1,
+                rounds: MOST_ITERATIONS,
+                residual: self.length * change,
+            })?;
             for k in 1..s {
                 let mut dx = velocity * (h * self.tableau.c[k]);
                 for j in 0..s - 1 {
@@ -339,8 +341,7 @@ impl Lobatto {
                 let load = &self.stages[i * s + k].load;
                 // A turn is known to the roundoff of the momentum, which weighs most about the thinnest axis.
                 let spin = h * self.bodies[i].pi.value.norm() / node.inertia.min();
-                let limit =
-                    motion.dx.norm() + self.length * spin.abs() + (load.linear.norm() / node.mass) * (h * h);
+                let limit = motion.dx.norm() + self.length * spin.abs() + (load.linear.norm() / node.mass) * (h * h);
                 if size > worst || !(size + limit).is_finite() {
                     (worst, joint) = (size + 0.0 * limit, i - 1);
                 }

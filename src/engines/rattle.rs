@@ -1,7 +1,7 @@
 //! The variational RATTLE core as an engine.
 
 use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::{Failure, Lobatto, Method, Rattle, Rotation};
@@ -39,6 +39,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
     keys: &[Key::Choice(&ORDER), Key::Choice(&METHOD), Key::Number(&STAGES), Key::Choice(&ROTATION)],
+    parts: &[Part::Loops, Part::Mimics, Part::PointSprings],
     build,
 };
 
@@ -48,26 +49,23 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
     let damped = system.bodies.iter().find(|b| b.joint.damping > 0.0).map(|b| b.joint.name.as_str());
-    fits(spec, composition.stages() > 1, damped).map_err(unsupported)?;
+    let parts = &system.parts;
+    let bonds = !(parts.loops.is_empty() && parts.couplings.is_empty() && parts.point_springs.is_empty());
+    fits(spec, composition.stages() > 1, bonds, damped).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
     Ok(Box::new(RattleEngine {
         core,
         substeps: composition.weights().map(|w| w * step).collect(),
         step,
         taken: 0,
-        names: (0..system.bodies.len()).map(|i| names(system, i)).collect(),
+        names: Names::of(system),
         before: system.initial.clone(),
         failed: false,
     }))
 }
 
-/// Names of a body and its joint.
-fn names(system: &System, body: usize) -> (String, String) {
-    (system.bodies[body].name.clone(), system.bodies[body].joint.name.clone())
-}
-
 /// Whether the settings go together, and with a damped joint.
-fn fits(spec: &Spec, composed: bool, damped: Option<&str>) -> Result<(), String> {
+fn fits(spec: &Spec, composed: bool, bonds: bool, damped: Option<&str>) -> Result<(), String> {
     let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
     let lobatto = method == "lobatto";
     if !lobatto && spec.given(STAGES.name).is_some() {
@@ -81,6 +79,12 @@ fn fits(spec: &Spec, composed: bool, damped: Option<&str>) -> Result<(), String>
     }
     if composed && method.starts_with("euler") {
         return Err(format!("order={order} with method={method}: only a time-reversible map can be composed to it"));
+    }
+    if bonds && !matches!(method, "rattle" | "midpoint") {
+        return Err(format!(
+            "loops, mimic joints and springs between points with method={method}, which knows the joints of a tree only; use \
+             method=rattle"
+        ));
     }
     match damped {
         Some(joint) if composed => Err(format!(
@@ -96,18 +100,19 @@ fn fits(spec: &Spec, composed: bool, damped: Option<&str>) -> Result<(), String>
 }
 
 fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
-    let failed = |failure| describe(failure, 0.0, step, &|i| names(system, i));
+    let names = Names::of(system);
+    let failed = |failure| describe(failure, 0.0, step, &names);
     let method = match spec.word(&METHOD) {
         "lobatto" => {
             let lobatto = Lobatto::new(system, spec.number(&STAGES) as usize);
             return lobatto.map(Core::Lobatto).map_err(|unfit| match unfit {
                 Unfit::Failure(failure) => failed(failure),
-                Unfit::Damped { joint } => format!("damping (joint '{}') with method=lobatto", names(system, joint).1),
+                Unfit::Damped { joint } => format!("damping (joint '{}') with method=lobatto", names.joints[joint]),
                 Unfit::Flat { body, least } => format!(
                     "body '{}' with method=lobatto: its moments of inertia are those of a flat plate (J1 + J2 - J3 = \
                      {:.1e} kg m^2), which has no inertia along its normal on the space of attitude matrices; use \
                      method=rattle",
-                    names(system, body).0,
+                    names.bodies[body],
                     2.0 * least
                 ),
             });
@@ -162,8 +167,7 @@ struct RattleEngine {
     substeps: Vec<f64>,
     step: f64,
     taken: u64,
-    /// Body and joint names, for failures.
-    names: Vec<(String, String)>,
+    names: Names,
     /// The state before the present step, which stands after one of several substeps has failed.
     before: State,
     failed: bool,
@@ -177,7 +181,7 @@ impl Engine for RattleEngine {
         for (k, substep) in self.substeps.iter().enumerate() {
             if let Err(failure) = self.core.step(*substep) {
                 self.failed = k > 0;
-                let detail = describe(failure, self.taken as f64 * self.step, self.step, &|i| self.names[i].clone());
+                let detail = describe(failure, self.taken as f64 * self.step, self.step, &self.names);
                 return Err(match failure {
                     Failure::NotFinite { .. } => StepFailure::Diverged { detail },
                     _ => StepFailure::NotConverged { detail },
@@ -201,33 +205,61 @@ impl Engine for RattleEngine {
             format!(
                 "body '{}' turns too fast for the Moser-Veselov equation at t = {time:.6} s; from there on it turns by \
                  rotation=splitting",
-                self.names[body].0
+                self.names.bodies[body]
             )
         });
         switched.collect()
     }
 }
 
-/// A failure with names, time and remedy. `names(i)` are those of body `i` and its joint.
-fn describe(failure: Failure, time: f64, step: f64, names: &dyn Fn(usize) -> (String, String)) -> String {
+/// What failures are named by.
+struct Names {
+    bodies: Vec<String>,
+    joints: Vec<String>,
+    /// Loops, then couplings, then springs between points.
+    bonds: Vec<String>,
+}
+
+impl Names {
+    fn of(system: &System) -> Names {
+        let parts = &system.parts;
+        let joint = |body: usize| &system.bodies[body].joint.name;
+        let loops = parts.loops.iter().map(|closure| format!("loop '{}'", closure.name));
+        let couplings = parts.couplings.iter().map(|c| format!("the mimic of joint '{}'", joint(c.follower)));
+        let springs = (0..parts.point_springs.len()).map(|i| format!("spring {i} between points"));
+        Names {
+            bodies: system.bodies.iter().map(|b| b.name.clone()).collect(),
+            joints: system.bodies.iter().map(|b| b.joint.name.clone()).collect(),
+            bonds: loops.chain(couplings).chain(springs).collect(),
+        }
+    }
+}
+
+/// A failure with names, time and remedy.
+fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
     match failure {
         Failure::Rotation { body, angle } => format!(
             "t = {time:.6} s: body '{}' turns by h |Omega| = {angle:.3} rad in one step of {step} s, too far for the \
              Moser-Veselov equation; take a step below {:.1e} s, or rotation=auto",
-            names(body).0,
+            names.bodies[body],
             0.5 * step / angle
         ),
         Failure::Constraint { joint, rounds, residual } => format!(
             "t = {time:.6} s: joint '{}' does not close after {rounds} rounds, residual {residual:.1e} m at a step of \
              {step} s; take a smaller step",
-            names(joint).1
+            names.joints[joint]
+        ),
+        Failure::Loop { index, rounds, residual } => format!(
+            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
+             where it passes a singular configuration; take a smaller step",
+            names.bonds[index]
         ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",
-            names(joint).1
+            names.joints[joint]
         ),
         Failure::NotFinite { body } => {
-            format!("t = {time:.6} s: the state of body '{}' is not a number at a step of {step} s", names(body).0)
+            format!("t = {time:.6} s: the state of body '{}' is not a number at a step of {step} s", names.bodies[body])
         }
     }
 }

@@ -5,17 +5,21 @@
 //! body turns by a rule of [`rotation`]; [`composition`] raises the order.
 
 mod attitude;
+mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
 mod free_body;
 mod joints;
 pub mod lobatto;
+mod loops;
 pub mod method;
 mod newton;
+mod orthogonal;
 mod predictor;
 pub mod rattle;
 pub mod rotation;
+mod rows;
 mod spatial;
 mod tableau;
 mod tree;

@@ -26,6 +26,7 @@ fn compared(scene: &Scene, engines: &[&str], steps: &[f64], duration: f64) -> Re
         horizons: &horizons,
         budget: Duration::from_secs(60),
         jobs: 1,
+        structure: true,
     };
     let results = comparison.run(&AtomicBool::new(false), &Progress::default());
     Report::new(scene, &system, &results, "rattlebench compare".to_string())

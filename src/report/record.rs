@@ -7,6 +7,7 @@ use crate::measure::clock::Timing;
 use crate::measure::comparison::{Results, Run as MeasuredRun};
 use crate::measure::growth::Verdict;
 use crate::measure::series::{Block, Extent};
+use crate::measure::structure;
 use crate::measure::trace::{self, MomentumError, Outcome as Ended, Trace};
 use crate::mechanics::System;
 use crate::model::{Ignored, Scene};
@@ -106,6 +107,9 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
+    /// What one step preserves of the structure of the motion; only where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Structure>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -198,6 +202,64 @@ pub struct MomentumComponent {
     /// What the error is divided by, kg m/s or kg m^2/s.
     pub scale: f64,
     pub max_relative_error: f64,
+}
+
+/// How far one step, as a map of joint coordinates and conjugate momenta, is from the properties of the exact motion. The
+/// engine is made new at every point. Coordinates in rad and m, momenta over the diagonal of the mass matrix in rad/s and m/s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Structure {
+    /// Time of the state that the step starts from, the same for all engines, s.
+    pub at_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub symplecticity: Option<Symplecticity>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reversibility: Option<Reversibility>,
+    /// Only where the scene conserves a component of momentum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub momentum_map: Option<MomentumMap>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory: Option<Memory>,
+    /// For an engine whose positions and velocities belong to different times: the same map in coordinates moved back to
+    /// the time of the velocities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_level_corrected: Option<CorrectedStructure>,
+    /// Why a figure is missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<String>,
+}
+
+/// The largest entry of `A^T Omega A - Omega` for the derivative `A` of the step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Symplecticity {
+    pub defect: f64,
+    /// What the differences that give the derivative err by, from two increments. A defect of this size is none.
+    pub differencing_error: f64,
+}
+
+/// Distance from the start after a step, a reversal of all velocities, another step and another reversal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Reversibility {
+    pub defect: f64,
+}
+
+/// The largest change of a conserved component of momentum in one step, over its scale.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MomentumMap {
+    pub defect: f64,
+}
+
+/// Distance between two steps of one engine and two of engines made new: what a step takes from the steps before it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Memory {
+    pub distance: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CorrectedStructure {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub symplecticity: Option<Symplecticity>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reversibility: Option<Reversibility>,
 }
 
 /// Processor time of the stepping alone, on one thread.
@@ -331,6 +393,7 @@ impl Run {
                 .map(|r| Constraint { max_position: r.position, max_velocity: r.velocity })
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
+            structure: run.structure.as_ref().map(structure_record),
             time: run.timing.map(|t| time(t, run.horizon.step)),
             series: (!trace.series.blocks.is_empty()).then(|| series(trace)),
         }
@@ -359,6 +422,25 @@ fn momentum(errors: &[MomentumError]) -> Option<Momentum> {
         .collect();
     let max_relative_error = components.iter().map(|c| c.max_relative_error).reduce(f64::max)?;
     Some(Momentum { max_relative_error, components })
+}
+
+fn structure_record(found: &structure::Structure) -> Structure {
+    let symplecticity = |d: &structure::Defects| {
+        d.symplecticity.map(|s| Symplecticity { defect: s.defect, differencing_error: s.error })
+    };
+    let reversibility = |d: &structure::Defects| d.reversibility.map(|defect| Reversibility { defect });
+    Structure {
+        at_s: found.at,
+        symplecticity: symplecticity(&found.as_returned),
+        reversibility: reversibility(&found.as_returned),
+        momentum_map: found.momentum_map.map(|defect| MomentumMap { defect }),
+        memory: found.memory.map(|distance| Memory { distance }),
+        time_level_corrected: found.time_level_corrected.as_ref().map(|corrected| CorrectedStructure {
+            symplecticity: symplecticity(corrected),
+            reversibility: reversibility(corrected),
+        }),
+        detail: found.detail.clone(),
+    }
 }
 
 fn time(timing: Timing, step: f64) -> Time {

@@ -133,12 +133,11 @@ fn discretisations(problem: &Problem) -> Vec<(String, Arc<dyn Curves>, f64, Quad
     let sinusoids: Arc<dyn Curves> = Arc::new(Sinusoids { frequency: 1.5 });
     let straight: Arc<dyn Curves> = Arc::new(Straight);
     let mut all = Vec::new();
-    for minus in [0.0, -0.2, -0.5, -1.0] {
+    for minus in [-0.2, -0.5] {
         let mut add = |name: &str, curves: &Arc<dyn Curves>, rule: Quadrature, order: f64| {
             all.push((format!("{name}, alpha- = {minus}"), curves.clone(), minus, rule, order));
         };
         add("straight, Gauss 1", &straight, Quadrature::gauss(1), 2.0);
-        add("straight, Gauss 3", &straight, Quadrature::gauss(3), 2.0);
         add("sinusoids, Gauss 2", &sinusoids, Quadrature::gauss(2), 2.0);
         add(
             "parabolas, one node at q-",
@@ -147,7 +146,6 @@ fn discretisations(problem: &Problem) -> Vec<(String, Arc<dyn Curves>, f64, Quad
             1.0,
         );
         add("parabolas, Gauss 2", &parabolas, Quadrature::gauss(2), 4.0);
-        add("parabolas, Gauss 3", &parabolas, Quadrature::gauss(3), 4.0);
     }
     all
 }
@@ -162,9 +160,8 @@ fn pc_2_discretisations_of_the_tangent_bundle_have_the_order_of_their_curves_and
         for (name, curves, minus, quadrature, theory) in discretisations(&problem) {
             let discretisation = Discretisation { system, curves: curves.as_ref(), minus, quadrature };
             let order = map_order(&motion, &problem.q, &problem.v, |q, p, h| discretisation.hamiltonian_map(q, p, h));
-            let off = (order.unwrap() - theory).abs();
-            println!("{name} on {}: {off:.1e}", problem.name);
-            at_most(off, 0.15, format!("{name} on {}", problem.name));
+            // measured 5.4e-02
+            at_most((order.unwrap() - theory).abs(), 0.12, format!("{name} on {}", problem.name));
         }
     }
 }
@@ -178,8 +175,11 @@ fn pc_2_an_alpha_that_depends_on_the_step_keeps_the_order() {
         let map = |q: &Vector, p: &Vector, h: f64| Discretisation::straight(system, alpha(h)).hamiltonian_map(q, p, h);
         map_order(&Motion::of(system), &problem.q, &problem.v, map).unwrap()
     };
-    at_most((order(&|h| 0.5 + 0.8 * h) - 2.0).abs(), 0.1, "tends to 1/2");
-    at_most((order(&|h| 0.4 + 0.8 * h) - 1.0).abs(), 0.1, "tends to another number");
+    let (half, other) = (order(&|h| 0.5 + 0.8 * h), order(&|h| 0.1 + 0.3 * h));
+    // measured 5.3e-03
+    at_most((half - 2.0).abs(), 0.015, "tends to 1/2");
+    // measured 1.4e-02
+    at_most((other - 1.0).abs(), 0.04, "tends to another number");
 }
 
 /// Sinusoids of an oscillator's frequency are its motion: the map is the flow, up to quadrature.
@@ -196,9 +196,10 @@ fn pc_2_curves_that_are_motions_make_the_exact_map() {
             distance(&discretisation.hamiltonian_map(&q, &p, h).unwrap(), &exact)
         };
         let (own, chord) = (map(&Sinusoids { frequency: w }), map(&Straight));
-        println!("{own:.1e} {chord:.1e}");
-        at_most(own, 1e-14, "sinusoids");
-        at_least(chord, 1e-3, "chords");
+        // measured 2.9e-16
+        at_most(own, 7e-16, "sinusoids");
+        // measured 6.6e-02
+        at_least(chord, 0.03, "chords");
     }
 }
 
@@ -228,12 +229,16 @@ fn pc_2_4_the_blown_up_step_is_regular_on_any_curves() {
             let ((q0, q1), (q, v)) = (of.ends(q, v, h).unwrap(), next(h));
             let q2 = of.ends(&q, &v, h).unwrap().1;
             let lost = ((&q2 - &q1 - (&q1 - &q0)) / (h * h) - &exact).norm();
-            println!("{name} on {}: {gap:.1e} {jump:.1e} {field:.1e} {slope:.1e} {worst:.1e} {lost:.1e}", problem.name);
-            at_most(gap, 1e-14, format!("{name}: the curves meet"));
-            at_most(jump, 1e-13, format!("{name}: one momentum"));
-            at_most(field, 1e-14, format!("{name}: h = 0"));
-            at_most(worst, 1e-14, format!("{name}: small steps"));
-            at_least(lost, 0.1, format!("{name}: positions"));
+            // measured 1.1e-16
+            at_most(gap, 3e-16, format!("{name}: the curves meet"));
+            // measured 2.0e-15
+            at_most(jump, 5e-15, format!("{name}: one momentum"));
+            // measured 2.2e-16
+            at_most(field, 5e-16, format!("{name}: h = 0"));
+            // measured -5.2e-14: with 1.1 times the slope nothing is left
+            at_most(worst, 4e-16, format!("{name}: small steps"));
+            // measured 6.3e-01
+            at_least(lost, 0.3, format!("{name}: positions"));
         }
     }
 }

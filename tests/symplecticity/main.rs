@@ -114,10 +114,11 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
         println!("{:16} {} Runge-Kutta {}", system.name, found.map(words).join(", "), words(runge_kutta));
         for d in found {
             assert!(d.defect <= d.error, "{}: {d:?}", system.name);
-            // measured at most 4.3e-10 (arm_6)
-            assert!(d.error <= 1.3e-9, "{}: {d:?}", system.name);
+            // measured at most 1.1e-9 (chain_10)
+            assert!(d.error <= 2.5e-9, "{}: {d:?}", system.name);
         }
-        assert!(runge_kutta.defect >= 100.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
+        // measured 5.2e2 (pendulum) to 1.3e6 (chain_10)
+        assert!(runge_kutta.defect >= 200.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
     }
 }
 

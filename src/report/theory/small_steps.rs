@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::small_steps};
 use super::super::number::{short, written};
@@ -23,14 +24,14 @@ pub(super) const TOPIC: Topic = Topic {
 const HALF_DECADES: std::ops::RangeInclusive<i32> = 1..=24;
 
 /// One problem.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SmallStepsRecord {
-    pub problem: &'static str,
+    pub problem: String,
     pub steps: Vec<SmallStepRecord>,
 }
 
 /// Errors of the acceleration from one step of the midpoint rule, m/s^2 or rad/s^2.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SmallStepRecord {
     pub step_s: f64,
     /// From the equations in `(q, v)` divided by `h`.
@@ -55,7 +56,7 @@ fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
                 position_form: r.position_form,
             })
             .collect();
-        records.push(SmallStepsRecord { problem: problem.name, steps });
+        records.push(SmallStepsRecord { problem: problem.name.to_string(), steps });
         done.fetch_add(1, Ordering::Relaxed);
     }
     Ok(Data::SmallSteps(records))

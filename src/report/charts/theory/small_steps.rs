@@ -38,7 +38,7 @@ pub fn draw(problems: &[SmallStepsRecord]) -> Result<Vec<u8>, ChartError> {
         for (i, problem) in problems.iter().enumerate() {
             let (panel_area, right) = rest.split_horizontally(width);
             let y_words = (i == 0).then_some("error of the acceleration, s⁻²");
-            let panel = Panel::new(&panel_area, x, y, Words { heading: problem.problem, x: "step, s", y: y_words })?;
+            let panel = Panel::new(&panel_area, x, y, Words { heading: &problem.problem, x: "step, s", y: y_words })?;
             curve(&panel, problem, IN_POSITION.1, |s| s.position_form)?;
             curve(&panel, problem, CURVED.1, |s| s.curved)?;
             curve(&panel, problem, IN_VELOCITY.1, |s| s.blown_up)?;

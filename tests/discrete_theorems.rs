@@ -205,8 +205,8 @@ fn mw_2_1_2_strongly_equivalent_discrete_lagrangians_have_the_same_map() {
     at_least(values[1] - values[0], 5e-3, "the values differ");
     // Gauss-Legendre 1 comes from other unknowns and is the midpoint rule.
     let gauss1 = hamiltonian_map(&gauss(problem.system.clone(), 1), &q0, &p0, H).unwrap();
-    println!("strong {:.1e}", distance(&gauss1, &own));
-    at_most(distance(&gauss1, &own), 1e-15, "Gauss-Legendre 1");
+    // measured 2.2e-16
+    at_most(distance(&gauss1, &own), 5e-16, "Gauss-Legendre 1");
 }
 
 /// MW 2.1.2: a null Lagrangian changes no position (weak equivalence) but shifts momenta.
@@ -488,9 +488,10 @@ fn mw_2_6_10_galerkin_takes_any_quadrature() {
         Quadrature { nodes: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0], weights: vec![0.125, 0.375, 0.375, 0.125], order: 4 };
     for problem in [coupled_wells(), double_pendulum()] {
         let (ld, map) = table_order(&polynomial(problem.system.clone(), 3, &equidistant), &problem);
-        println!("three-eighths {ld} {map}");
-        at_most((ld - 4.0).abs(), 0.1, "order of L_d");
-        at_most((map - 4.0).abs(), 0.1, "order of the map");
+        // measured 3.3e-04
+        at_most((ld - 4.0).abs(), 1e-3, "order of L_d");
+        // measured 1.8e-03
+        at_most((map - 4.0).abs(), 5e-3, "order of the map");
     }
 }
 

@@ -51,7 +51,7 @@ pub struct Args {
     /// Only the two largest steps, over at most 2 s of simulated time.
     #[arg(long)]
     quick: bool,
-    /// Examine one step of each run too: how far it is from symplectic, reversible and momentum conserving.
+    /// Examine eight steps of each run too: how far they are from symplectic, reversible and momentum conserving.
     #[arg(long)]
     structure: bool,
 }
@@ -160,7 +160,7 @@ fn compare(task: &Task, comparison: &Comparison, interrupted: &AtomicBool) -> Re
     writeln!(out, "{}\n{}\n", task.scene.name, finding::sentence(&report))?;
     writeln!(out, "{}", table::text(&report))?;
     if let Some(structure) = table::structure_text(&report) {
-        writeln!(out, "structure of one step\n{structure}")?;
+        writeln!(out, "structure of {} steps\n{structure}", crate::measure::structure::STEPS)?;
     }
     writeln!(out, "{}\n", page.display())?;
     if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }

@@ -22,14 +22,14 @@ pub struct Comparison<'a> {
     pub budget: Duration,
     /// Threads for the traced runs. Timed runs have the machine to themselves.
     pub jobs: usize,
-    /// Examine the structure of one step of each run too.
+    /// Examine the structure of a few steps of each run too.
     pub structure: bool,
 }
 
 /// How far a comparison is, for a progress bar.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Steps of traced runs, runs of which one step was examined, and turns of timed ones.
+    /// Steps of traced runs, runs of which a few steps were examined, and turns of timed ones.
     pub traced: AtomicU64,
     pub examined: AtomicU64,
     pub timed: AtomicU64,
@@ -59,7 +59,7 @@ impl Comparison<'_> {
         self.engines.len() as u64 * self.horizons.iter().map(|h| h.steps).sum::<u64>()
     }
 
-    /// Runs of which one step is examined.
+    /// Runs of which a few steps are examined.
     pub fn examinations(&self) -> u64 {
         if self.structure { (self.engines.len() * self.horizons.len()) as u64 } else { 0 }
     }
@@ -96,7 +96,7 @@ impl Comparison<'_> {
         self.on_threads(&order, |i| self.trace_one(cases[i].0, cases[i].1, limits))
     }
 
-    /// Examines one step of every case, all at the same state.
+    /// Examines a few steps of every case, all from the same state.
     fn examine_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Structure>> {
         if !self.structure || limits.interrupted.load(Ordering::Relaxed) {
             return vec![None; cases.len()];

@@ -72,25 +72,25 @@ pub const METRICS: [Metric; 16] = [
     Metric {
         name: "structure.symplecticity.defect",
         unit: "",
-        summary: "largest entry of A^T Omega A - Omega for the derivative A of one step (compare --structure)",
+        summary: "largest entry of A^T Omega A - Omega for the derivative A of a few steps (compare --structure)",
         value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.defect),
     },
     Metric {
         name: "structure.symplecticity.differencing_error",
         unit: "",
-        summary: "what the differences that give the derivative of the step err by",
+        summary: "what the differences that give that derivative err by",
         value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.differencing_error),
     },
     Metric {
         name: "structure.reversibility.defect",
         unit: "rad, m, rad/s or m/s",
-        summary: "distance from the start after a step, a reversal, a step and a reversal",
+        summary: "distance from the start after a few steps, a reversal, as many steps and a reversal",
         value: |r| Some(r.structure.as_ref()?.reversibility.as_ref()?.defect),
     },
     Metric {
         name: "structure.momentum_map.defect",
         unit: "of its scale",
-        summary: "largest change of a conserved component of momentum in one step",
+        summary: "largest change of a conserved component of momentum over these steps",
         value: |r| Some(r.structure.as_ref()?.momentum_map.as_ref()?.defect),
     },
     Metric {

@@ -89,22 +89,20 @@ fn runs(report: &Report) -> Markup {
 
 fn structure(report: &Report) -> Markup {
     let columns = table::structure_columns(report);
-    let at = report.runs.iter().find_map(|run| Some(run.structure.as_ref()?.at_s)).unwrap_or_default();
+    let Some(first) = report.runs.iter().find_map(|run| run.structure.as_ref()) else { return html! {} };
     html! {
-        @if !columns.is_empty() {
-            h2 { "Structure of one step" }
-            (engine_table(report, &columns))
-            (notes(report, |run| run.structure.as_ref()?.detail.as_deref()))
-            p.small {
-                "One step from the state " (plain(at, 3)) " s into the motion, the same for all engines, as a map of joint \
-                 coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω for the derivative A of the step, by \
-                 differences; a defect of the size of the differences' error is none. Reversal: the distance from the start \
-                 after a step, a reversal of all velocities, another step and another reversal. Corrected: the same map in \
-                 coordinates moved back to the time of the velocities. Momentum: the largest change of a conserved component \
-                 over its scale. An engine is made new at every point, from the coordinates and velocities that belong to \
-                 it. Memory: the distance between two steps of one engine and two of engines made new, which is what a step \
-                 takes from the steps before it. Distances in rad, m, rad/s or m/s."
-            }
+        h2 { "Structure of " (first.steps) " steps" }
+        (engine_table(report, &columns))
+        (notes(report, |run| run.structure.as_ref()?.detail.as_deref()))
+        p.small {
+            (first.steps) " steps from the state " (plain(first.at_s, 3)) " s into the motion, the same for all engines, as one \
+             map of joint coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω for the derivative A of the map, \
+             by differences; a defect below the differences' error is none. Reversal: the distance from the start after the \
+             steps, a reversal of all velocities, as many steps and another reversal. Corrected: the same map in coordinates \
+             moved back to the time of the velocities. Momentum: the largest change of a conserved component over its scale. An \
+             engine is made new at every point, from the coordinates and velocities that belong to it. Memory: the distance \
+             between twice the steps of one engine and the steps of two engines made new, which is what steps take from those \
+             before them: joint errors, impulses kept for the next solve. Distances in rad, m, rad/s or m/s."
         }
     }
 }

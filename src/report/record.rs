@@ -107,7 +107,7 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
-    /// What one step preserves of the structure of the motion; only where it was asked for.
+    /// What a few steps preserve of the structure of the motion; only where it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub structure: Option<Structure>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -204,12 +204,14 @@ pub struct MomentumComponent {
     pub max_relative_error: f64,
 }
 
-/// How far one step, as a map of joint coordinates and conjugate momenta, is from the properties of the exact motion. The
-/// engine is made new at every point. Coordinates in rad and m, momenta over the diagonal of the mass matrix in rad/s and m/s.
+/// How far a few steps, as one map of joint coordinates and conjugate momenta, are from the properties of the exact motion.
+/// The engine is made new at every point. Coordinates in rad and m, momenta over the diagonal of the mass matrix in rad/s and m/s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Structure {
-    /// Time of the state that the step starts from, the same for all engines, s.
+    /// Time of the state that the steps start from, the same for all engines, s.
     pub at_s: f64,
+    /// How many steps make up the map.
+    pub steps: usize,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub symplecticity: Option<Symplecticity>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -228,7 +230,7 @@ pub struct Structure {
     pub detail: Option<String>,
 }
 
-/// The largest entry of `A^T Omega A - Omega` for the derivative `A` of the step.
+/// The largest entry of `A^T Omega A - Omega` for the derivative `A` of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Symplecticity {
     pub defect: f64,
@@ -236,19 +238,20 @@ pub struct Symplecticity {
     pub differencing_error: f64,
 }
 
-/// Distance from the start after a step, a reversal of all velocities, another step and another reversal.
+/// Distance from the start after the steps, a reversal of all velocities, as many steps and another reversal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Reversibility {
     pub defect: f64,
 }
 
-/// The largest change of a conserved component of momentum in one step, over its scale.
+/// The largest change of a conserved component of momentum over the steps, over its scale.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MomentumMap {
     pub defect: f64,
 }
 
-/// Distance between two steps of one engine and two of engines made new: what a step takes from the steps before it.
+/// Distance between twice the steps of one engine and the steps of two engines made new: what steps take from those before
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
     pub distance: f64,
@@ -431,6 +434,7 @@ fn structure_record(found: &structure::Structure) -> Structure {
     let reversibility = |d: &structure::Defects| d.reversibility.map(|defect| Reversibility { defect });
     Structure {
         at_s: found.at,
+        steps: structure::STEPS,
         symplecticity: symplecticity(&found.as_returned),
         reversibility: reversibility(&found.as_returned),
         momentum_map: found.momentum_map.map(|defect| MomentumMap { defect }),

@@ -82,7 +82,7 @@ fn outcome(run: &Run) -> String {
     }
 }
 
-/// What one step preserves, in a table of its own.
+/// What a few steps preserve, in a table of its own.
 const STRUCTURE: [Column; 8] = [
     Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
     Column {
@@ -142,7 +142,7 @@ pub fn columns(report: &Report) -> Vec<&'static Column> {
     used(&COLUMNS, report)
 }
 
-/// The columns of the structure of one step; empty where it was not examined.
+/// The columns of the structure of a few steps; empty where it was not examined.
 pub fn structure_columns(report: &Report) -> Vec<&'static Column> {
     if report.runs.iter().any(|run| run.structure.is_some()) { used(&STRUCTURE, report) } else { Vec::new() }
 }
@@ -156,7 +156,7 @@ pub fn text(report: &Report) -> String {
     aligned(report, &columns(report))
 }
 
-/// The table of the structure of one step as aligned text; `None` where it was not examined.
+/// The table of the structure of a few steps as aligned text; `None` where it was not examined.
 pub fn structure_text(report: &Report) -> Option<String> {
     let columns = structure_columns(report);
     (!columns.is_empty()).then(|| aligned(report, &columns))

@@ -1,19 +1,24 @@
-//! What one step of an engine preserves of the structure of the motion, seen from outside.
+//! What a few steps of an engine preserve of the structure of the motion, seen from outside.
 //!
 //! The exact motion of a system without dampers is a map of joint coordinates `theta` and conjugate momenta `p` that is
 //! symplectic, time-reversible, and keeps the momentum of every symmetry (Marsden and West 2001, sections 1.3 and 2.1; on a
-//! constraint manifold 3.4). [`examine`] takes the step of ANY engine as such a map `Phi` and says how far it is from that:
+//! constraint manifold 3.4). [`examine`] takes [`STEPS`] steps of ANY engine as such a map `Phi` and says how far it is from
+//! that:
 //!
 //! - *symplecticity*: the largest entry of `A^T Omega A - Omega`, where `A` is the derivative of `Phi` by differences and
 //!   `Omega = dtheta ^ dp`; what the differences themselves err by is estimated and stands beside it,
 //! - *reversibility*: the largest entry of `R Phi R Phi z - z`, where `R` turns all velocities round,
-//! - *momentum map*: the largest change in one step of a component that the system conserves, over its scale, among all
-//!   states that the differences visit,
-//! - *memory*: the largest entry of `Phi_2 z - Phi Phi z`, where `Phi_2` is two steps of one engine: what a step takes from
-//!   steps before it and not from coordinates and momenta (impulses kept to start the next solve, joint errors).
+//! - *momentum map*: the largest change of a component that the system conserves, over its scale, among all states that the
+//!   differences visit,
+//! - *memory*: the largest entry of `Phi_2 z - Phi Phi z`, where `Phi_2` is twice as many steps of one engine: what steps take
+//!   from those before them and not from coordinates and momenta (impulses kept to start the next solve, joint errors).
 //!
-//! Engines are made new at every point, from the coordinates and velocities that belong to it, and take one step; so an
-//! engine with memory is judged by its first step. Where an engine's positions belong to another time than its velocities
+//! Engines are made new at every point, from the coordinates and velocities that belong to it. An engine with memory does not
+//! start as it goes on: rapier's impulse joints, made new without joint errors, take some steps to their own small ones, and
+//! that start is no symplectic map. Several steps as one map count it once. Where the memory is not small against the defect
+//! of the form, part of the defect is that of the start.
+//!
+//! Where an engine's positions belong to another time than its velocities
 //! ([`Engine::position_lag_s`](crate::engines::Engine::position_lag_s)) symplecticity and reversibility are taken twice: of the
 //! states as they are, and of the same map in coordinates moved back to the time of the velocities, `theta - lag thetadot`.
 //!
@@ -37,12 +42,14 @@ use crate::mechanics::{State, System};
 pub use phase_chart::{PhaseChart, body_momenta, twists};
 pub use symplecticity::{Differenced, REACHES, defect_by, symplecticity};
 
-/// Time into the motion at which a step is examined, s: a scene that starts at rest moves by then.
+/// Steps that are examined as one map.
+pub const STEPS: usize = 8;
+/// Time into the motion at which they are examined, s: a scene that starts at rest moves by then.
 pub const EXAMINED_AT: f64 = 0.5;
 /// Step of the motion that leads there, s.
 const LEADING_STEP: f64 = 1e-3;
 
-/// What a step does to the form and to time.
+/// What the steps do to the form and to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Defects {
     /// `None` in systems with dampers, and where a step failed.
@@ -53,7 +60,7 @@ pub struct Defects {
 /// The figures of one engine at one step size; what could not be had is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Structure {
-    /// Time of the state at which the step was examined, s.
+    /// Time of the state that the steps start from, s.
     pub at: f64,
     /// Of the states as the engine returns them.
     pub as_returned: Defects,
@@ -76,7 +83,7 @@ pub enum Failure {
     #[error("the mass matrix of the joint coordinates is not positive")]
     Singular,
     #[error(
-        "the structure of a step took longer than its budget of {budget_s} s on the wall clock; allow more with --budget"
+        "the structure of the steps took longer than its budget of {budget_s} s on the wall clock; allow more with --budget"
     )]
     OverBudget { budget_s: f64 },
     #[error("interrupted")]
@@ -169,7 +176,7 @@ pub fn examined_state(system: &System, longest: f64) -> (State, f64) {
     lead().map_or_else(|| (system.initial.clone(), 0.0), |state| (state, steps * LEADING_STEP))
 }
 
-/// The structure of one step of an engine at a state, which is `at` s into the motion. `None` where the engine does not
+/// The structure of [`STEPS`] steps of an engine from a state, which is `at` s into the motion. `None` where the engine does not
 /// support the system or the examination was interrupted.
 pub fn examine(
     system: &System,
@@ -180,7 +187,7 @@ pub fn examine(
 ) -> Option<Structure> {
     let lag = engines::build(spec, system, step).ok()?.position_lag_s();
     let steps = Steps::new(system, spec, step, limits);
-    let one = |from: &System| steps.taken(from, 1);
+    let map = |from: &System| steps.taken(from, STEPS);
     let mut found = Structure { at, ..Structure::default() };
     let mut reasons: Vec<String> = Vec::new();
     let mut keep = |failure: Failure| {
@@ -194,8 +201,8 @@ pub fn examine(
         keep(Failure::Step("with dampers no exact step is symplectic or reversible".to_string()));
     } else {
         let mut defects = |lag: f64| Defects {
-            symplecticity: symplecticity(system, state, lag, &one).map_err(&mut keep).ok(),
-            reversibility: reversibility(system, state, lag, &one).map_err(&mut keep).ok(),
+            symplecticity: symplecticity(system, state, lag, &map).map_err(&mut keep).ok(),
+            reversibility: reversibility(system, state, lag, &map).map_err(&mut keep).ok(),
         };
         found.as_returned = defects(0.0);
         found.time_level_corrected = (lag != 0.0).then(|| defects(lag));
@@ -213,7 +220,7 @@ struct Steps<'a> {
     limits: &'a Limits<'a>,
     begin: Instant,
     conserved: Vec<Conserved>,
-    /// Largest change of a conserved component in one step so far, over its scale.
+    /// Largest change of a conserved component so far, over its scale.
     worst_momentum: Cell<Option<f64>>,
 }
 
@@ -239,9 +246,7 @@ impl<'a> Steps<'a> {
         if !state.is_finite() {
             return Err(Failure::NotFinite);
         }
-        if count == 1 {
-            self.watch_momentum(&from.initial, &state);
-        }
+        self.watch_momentum(&from.initial, &state);
         Ok(state)
     }
 
@@ -263,10 +268,10 @@ impl<'a> Steps<'a> {
         let scale = scale_at(self.system, state);
         let here = Phase::about(self.system, state, &scale, 0.0);
         let start = here.system(&here.point(state)?)?;
-        let first = self.taken(&start, 1)?;
+        let first = self.taken(&start, STEPS)?;
         let middle = Phase::about(self.system, &first, &scale, 0.0);
-        let anew = self.taken(&middle.system(&middle.point(&first)?)?, 1)?;
-        let in_one = self.taken(&start, 2)?;
+        let anew = self.taken(&middle.system(&middle.point(&first)?)?, STEPS)?;
+        let in_one = self.taken(&start, 2 * STEPS)?;
         let there = Phase::about(self.system, &anew, &scale, 0.0);
         Ok((there.point(&in_one)? - there.point(&anew)?).amax())
     }

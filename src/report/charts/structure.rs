@@ -1,4 +1,4 @@
-//! `structure.png`: symplecticity and reversibility defects of one step over the step sizes.
+//! `structure.png`: symplecticity and reversibility defects of a few steps over the step sizes.
 
 use super::super::number::duration;
 use super::super::record::{Report, Run};
@@ -9,7 +9,7 @@ use super::{Chart, legend, style};
 
 pub const CHART: Chart = Chart {
     file: "structure.png",
-    caption: "How far one step of every engine is from symplectic and from reversible, against the step size",
+    caption: "How far a few steps of every engine are from symplectic and from reversible, against the step size",
     draw,
 };
 
@@ -55,11 +55,12 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         return Ok(None);
     };
     let looks = style::looks(report);
-    let title = format!("Structure of one step: {}", report.scene.name);
-    let at = report.runs.iter().find_map(|run| Some(run.structure.as_ref()?.at_s)).unwrap_or_default();
+    let Some(first) = report.runs.iter().find_map(|run| run.structure.as_ref()) else { return Ok(None) };
+    let title = format!("Structure of {} steps: {}", first.steps, report.scene.name);
     let subtitle = format!(
-        "One step from the state {} into the motion as a map of joint coordinates and momenta. The exact motion has no defect.",
-        duration(at)
+        "{} steps from the state {} into the motion as a map of joint coordinates and momenta. The exact motion has no defect.",
+        first.steps,
+        duration(first.at_s)
     );
     canvas::render(|area| {
         let area = legend::frame(area, &title, &subtitle, &looks, &notes(report))?;

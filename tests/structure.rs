@@ -44,8 +44,8 @@ fn a_map_that_stretches_momenta_has_the_defect_of_its_stretch() {
         let system = shipped(name);
         let (state, _) = examined_state(&system, 10.0);
         let found = symplecticity(&system, &state, 0.0, &map).expect("a map");
-        println!("{name}: {found:?}");
-        assert!((found.defect - stretch).abs() <= found.error && found.error <= 1e-9, "{name}: {found:?}");
+        // measured at most 2.0e-12 (joint_zoo), of which the defect is 1.3e-13 off
+        assert!((found.defect - stretch).abs() <= 4e-13 && found.error <= 5e-12, "{name}: {found:?}");
         let back = reversibility(&system, &state, 0.0, &map).expect("a map");
         let own = reversibility(&system, &state, 0.0, &|from| Ok(from.initial.clone())).expect("a map");
         assert!(own <= 1e-13 && back > stretch, "{name}: {own:e} {back:e}");
@@ -80,19 +80,19 @@ fn rattle_has_no_defect_and_rapier_has() {
         let system = shipped(name);
         for spec in ["rattle", "rattle:order=8", "rattle:rotation=cayley"] {
             let found = examined(&system, spec, STEP);
-            println!("{name} {spec}: {found:?}");
             let form = found.as_returned.symplecticity.expect("measured");
             // measured at most 3.1e-9 (joint_zoo)
             assert!(form.defect <= form.error && form.error <= 8e-9, "{name} {spec}: {form:?}");
             let rest = [found.as_returned.reversibility, found.memory, found.momentum_map];
-            assert!(rest.into_iter().flatten().all(|x| x <= 1e-12), "{name} {spec}: {found:?}");
+            // measured at most 4.0e-14 (joint_zoo)
+            assert!(rest.into_iter().flatten().all(|x| x <= 1e-13), "{name} {spec}: {found:?}");
             assert!(found.as_returned.reversibility.is_some() && found.time_level_corrected.is_none());
         }
         for spec in ["rapier:preset=strong", "rapier:joints=multibody,precision=f64"] {
             let found = examined(&system, spec, STEP);
-            println!("{name} {spec}: {found:?}");
             let form = found.as_returned.symplecticity.expect("measured");
-            assert!(form.defect >= 100.0 * form.error, "{name} {spec}: {form:?}");
+            // measured from 2.6e3 (joint_zoo, strong)
+            assert!(form.defect >= 1e3 * form.error, "{name} {spec}: {form:?}");
         }
     }
 }
@@ -119,9 +119,9 @@ fn memory_tells_whose_defect_is_that_of_the_start() {
     };
     let (impulse, with_memory) = measured("rapier:preset=strong");
     let (multibody, without) = measured("rapier:joints=multibody,precision=f64");
-    println!("memory: {impulse} {with_memory:e} {multibody} {without:e}");
-    assert!(impulse < 0.1 && with_memory > 1e-3, "{impulse} {with_memory:e}");
-    assert!(multibody > 1.0 && without < 1e-13, "{multibody} {without:e}");
+    // measured 0.029 and 3.8e-3, 3.6 and 3.3e-16
+    assert!(impulse < 0.08 && with_memory > 1.5e-3, "{impulse} {with_memory:e}");
+    assert!(multibody > 1.5 && without < 2e-15, "{multibody} {without:e}");
 }
 
 /// With dampers no exact step is symplectic: the figures are left out and the reason is told.
@@ -132,5 +132,17 @@ fn a_damped_system_has_no_defect_of_the_form() {
     let found = examined(&compile(&scene), "rattle", STEP);
     assert_eq!((found.as_returned.symplecticity, found.as_returned.reversibility), (None, None));
     assert!(found.memory.is_some_and(|x| x <= 1e-12), "{found:?}");
-    assert_eq!(found.detail.as_deref(), Some("with dampers no exact step is symplectic or reversible"));
+    assert_eq!(found.detail.as_deref(), Some("with dampers the exact motion is neither symplectic nor reversible"));
+}
+
+/// A loop leaves fewer motions than the joints have coordinates: its form is not measured, the rest is.
+#[test]
+fn a_loop_keeps_all_but_the_form() {
+    let system = shipped("four_bar");
+    let found = examined(&system, "rattle", STEP);
+    assert!(found.as_returned.symplecticity.is_none() && found.at == 0.5, "{found:?}");
+    // measured 1.6e-15 and 6.1e-16
+    assert!(found.as_returned.reversibility.is_some_and(|x| x <= 4e-15), "{found:?}");
+    assert!(found.memory.is_some_and(|x| x <= 2e-15), "{found:?}");
+    assert!(found.detail.is_some_and(|d| d.starts_with("with loops or mimic joints")));
 }

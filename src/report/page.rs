@@ -97,7 +97,7 @@ fn structure(report: &Report) -> Markup {
         p.small {
             (first.steps) " steps from the state " (plain(first.at_s, 3)) " s into the motion, the same for all engines, as one \
              map of joint coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω for the derivative A of the map, \
-             by differences; a defect below the differences' error is none. Reversal: the distance from the start after the \
+             by differences; a defect below the differences' error cannot be told from none. Reversal: the distance from the start after the \
              steps, a reversal of all velocities, as many steps and another reversal. Corrected: the same map in coordinates \
              moved back to the time of the velocities. Momentum: the largest change of a conserved component over its scale. An \
              engine is made new at every point, from the coordinates and velocities that belong to it. Memory: the distance \

@@ -234,7 +234,7 @@ pub struct Structure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Symplecticity {
     pub defect: f64,
-    /// What the differences that give the derivative err by, from two increments. A defect of this size is none.
+    /// What the differences that give the derivative err by, from two increments. A defect below it cannot be told from none.
     pub differencing_error: f64,
 }
 

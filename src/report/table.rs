@@ -89,45 +89,49 @@ const STRUCTURE: [Column; 8] = [
         heading: "form",
         unit: "defect",
         number: true,
-        cell: |r| or_absent(structure(r).and_then(|s| Some(short(s.symplecticity.as_ref()?.defect)))),
+        cell: |r| figure(structure(r).and_then(|s| Some(s.symplecticity.as_ref()?.defect))),
     },
     Column {
         heading: "differences",
         unit: "error",
         number: true,
-        cell: |r| or_absent(structure(r).and_then(|s| Some(short(s.symplecticity.as_ref()?.differencing_error)))),
+        cell: |r| figure(structure(r).and_then(|s| Some(s.symplecticity.as_ref()?.differencing_error))),
     },
     Column {
         heading: "form",
         unit: "corrected",
         number: true,
-        cell: |r| or_absent(corrected(r).and_then(|s| Some(short(s.symplecticity.as_ref()?.defect)))),
+        cell: |r| figure(corrected(r).and_then(|s| Some(s.symplecticity.as_ref()?.defect))),
     },
     Column {
         heading: "reversal",
         unit: "defect",
         number: true,
-        cell: |r| or_absent(structure(r).and_then(|s| Some(short(s.reversibility.as_ref()?.defect)))),
+        cell: |r| figure(structure(r).and_then(|s| Some(s.reversibility.as_ref()?.defect))),
     },
     Column {
         heading: "reversal",
         unit: "corrected",
         number: true,
-        cell: |r| or_absent(corrected(r).and_then(|s| Some(short(s.reversibility.as_ref()?.defect)))),
+        cell: |r| figure(corrected(r).and_then(|s| Some(s.reversibility.as_ref()?.defect))),
     },
     Column {
         heading: "momentum",
         unit: "of scale",
         number: true,
-        cell: |r| or_absent(structure(r).and_then(|s| Some(short(s.momentum_map.as_ref()?.defect)))),
+        cell: |r| figure(structure(r).and_then(|s| Some(s.momentum_map.as_ref()?.defect))),
     },
     Column {
         heading: "memory",
         unit: "distance",
         number: true,
-        cell: |r| or_absent(structure(r).and_then(|s| Some(short(s.memory.as_ref()?.distance)))),
+        cell: |r| figure(structure(r).and_then(|s| Some(s.memory.as_ref()?.distance))),
     },
 ];
+
+fn figure(x: Option<f64>) -> String {
+    or_absent(x.map(short))
+}
 
 fn structure(run: &Run) -> Option<&Structure> {
     run.structure.as_ref()

@@ -52,8 +52,9 @@ const LEADING_STEP: f64 = 1e-3;
 /// What the steps do to the form and to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Defects {
-    /// `None` in systems with dampers, and where a step failed.
+    /// `None` in systems with dampers, loops or mimic joints, and where a step failed.
     pub symplecticity: Option<Differenced>,
+    /// `None` in systems with dampers or changing drives, and where a step failed.
     pub reversibility: Option<f64>,
 }
 
@@ -78,6 +79,12 @@ pub struct Structure {
 pub enum Failure {
     #[error("{0}")]
     Step(String),
+    #[error("with dampers the exact motion is neither symplectic nor reversible")]
+    Dampers,
+    #[error("with drives that change in time the exact motion is not reversible")]
+    Drives,
+    #[error("with loops or mimic joints the joint coordinates are not independent: symplecticity is not measured")]
+    Dependent,
     #[error("a step led to a state that is not a number")]
     NotFinite,
     #[error("the mass matrix of the joint coordinates is not positive")]
@@ -197,19 +204,43 @@ pub fn examine(
         }
     };
     found.memory = steps.memory(state).map_err(&mut keep).ok();
-    if system.bodies.iter().any(|b| b.joint.damping != 0.0) {
-        keep(Failure::Step("with dampers no exact step is symplectic or reversible".to_string()));
-    } else {
-        let mut defects = |lag: f64| Defects {
-            symplecticity: symplecticity(system, state, lag, &map).map_err(&mut keep).ok(),
-            reversibility: reversibility(system, state, lag, &map).map_err(&mut keep).ok(),
-        };
-        found.as_returned = defects(0.0);
-        found.time_level_corrected = (lag != 0.0).then(|| defects(lag));
-    }
+    let mut defects = |lag: f64| Defects {
+        symplecticity: symplectic(system)
+            .and_then(|()| symplecticity(system, state, lag, &map))
+            .map_err(&mut keep)
+            .ok(),
+        reversibility: reversible(system)
+            .and_then(|()| reversibility(system, state, lag, &map))
+            .map_err(&mut keep)
+            .ok(),
+    };
+    found.as_returned = defects(0.0);
+    found.time_level_corrected = (lag != 0.0).then(|| defects(lag));
     found.momentum_map = steps.momentum_error();
     found.detail = (!reasons.is_empty()).then(|| reasons.join("; "));
     (!limits.interrupted.load(Ordering::Relaxed)).then_some(found)
+}
+
+/// Whether the exact motion is symplectic and its form can be had in joint coordinates.
+fn symplectic(system: &System) -> Result<(), Failure> {
+    undamped(system)?;
+    let dependent = !(system.parts.loops.is_empty() && system.parts.couplings.is_empty());
+    if dependent { Err(Failure::Dependent) } else { Ok(()) }
+}
+
+/// Whether the exact motion is reversible.
+fn reversible(system: &System) -> Result<(), Failure> {
+    undamped(system)?;
+    let driven = system.parts.drives.iter().any(|d| d.amplitude != 0.0);
+    if driven { Err(Failure::Drives) } else { Ok(()) }
+}
+
+fn undamped(system: &System) -> Result<(), Failure> {
+    let joints = system.bodies.iter().map(|b| b.joint.damping);
+    let springs = system.parts.joint_springs.iter().map(|s| s.damping);
+    let points = system.parts.point_springs.iter().map(|s| s.damping);
+    let damped = joints.chain(springs).chain(points).any(|damping| damping != 0.0);
+    if damped { Err(Failure::Dampers) } else { Ok(()) }
 }
 
 /// Steps of new engines from any state.

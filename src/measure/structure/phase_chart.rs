@@ -54,9 +54,9 @@ impl<'a> PhaseChart<'a> {
         PhaseChart { system, centre }
     }
 
-    /// Number of coordinates, d.
+    /// Number of coordinates of the joints of the tree, d.
     pub fn dimension(&self) -> usize {
-        self.system.degrees_of_freedom()
+        self.system.bodies.iter().map(|b| b.joint.kind.degrees_of_freedom()).sum()
     }
 
     /// Each joint with its place among the coordinates.

@@ -10,7 +10,7 @@ use crate::mechanics::{State, System};
 pub struct Differenced {
     pub defect: f64,
     /// The change of the derivative between two increments of the differences, carried into the defect with all signs
-    /// alike. A defect below it is none.
+    /// alike. A defect below it cannot be told from none.
     pub error: f64,
 }
 

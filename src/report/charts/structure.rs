@@ -97,7 +97,8 @@ fn curves(panel: &Panel, runs: &[&Run], look: style::Look, subject: &Subject) ->
 
 fn notes(report: &Report) -> Vec<String> {
     let mut notes = vec![
-        "Thin lines without markers: the error of the differences that give the derivative; a defect of that size is none."
+        "Thin lines without markers: the error of the differences that give the derivative; a defect below it cannot be told from \
+         none."
             .to_string(),
     ];
     if report.runs.iter().any(|r| (SUBJECTS[1].corrected)(r).is_some()) {

@@ -30,7 +30,7 @@ pub fn draw(problems: &[SmallStepsRecord]) -> Result<Vec<u8>, ChartError> {
             area,
             "Accuracy as the step goes to zero",
             subtitle,
-            &[IN_VELOCITY, CURVED, IN_POSITION],
+            &[IN_VELOCITY, IN_POSITION, CURVED],
             &[note],
         )?;
         let width = area.dim_in_pixel().0 / problems.len().max(1) as u32;

@@ -7,6 +7,7 @@ mod energy_drift;
 mod error_vs_run_time;
 mod legend;
 mod panel;
+mod structure;
 mod style;
 pub mod theory;
 mod time_panels;
@@ -27,4 +28,5 @@ pub struct Chart {
 }
 
 /// All charts, in the order of the page. A new one is one file and one line here.
-pub const CHARTS: [Chart; 3] = [energy_drift::CHART, constraint_violation::CHART, error_vs_run_time::CHART];
+pub const CHARTS: [Chart; 4] =
+    [energy_drift::CHART, constraint_violation::CHART, error_vs_run_time::CHART, structure::CHART];

@@ -21,10 +21,19 @@ use rattlebench::model::Scene;
 /// s
 const STEP: f64 = 0.01;
 
-const METHODS: [&str; 4] = ["rattle:order=2", "rattle:order=4", "rattle:order=6", "rattle:order=8"];
+const METHODS: [&str; 6] = [
+    "rattle:order=2",
+    "rattle:order=4",
+    "rattle:order=6",
+    "rattle:order=8",
+    "galerkin:stages=2",
+    "galerkin:stages=4",
+];
 
 fn step(method: &str, system: &System, state: &State, h: f64) -> State {
-    let from_here = System { initial: state.clone(), ..system.clone() };
+    let mut initial_coordinates = system.initial_coordinates.clone();
+    joint_coordinates(system, state, &mut initial_coordinates);
+    let from_here = System { initial: state.clone(), initial_coordinates, ..system.clone() };
     let mut engine = engines::build(&Spec::parse(method).unwrap(), &from_here, h).unwrap();
     engine.step().unwrap();
     let mut out = state.clone();

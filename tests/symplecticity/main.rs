@@ -19,7 +19,7 @@ use rattlebench::model::Scene;
 /// s
 const STEP: f64 = 0.01;
 
-const METHODS: [&str; 12] = [
+const METHODS: [&str; 14] = [
     "rattle:order=2",
     "rattle:order=4",
     "rattle:order=6",
@@ -32,6 +32,8 @@ const METHODS: [&str; 12] = [
     "rattle:method=lobatto,stages=3",
     "rattle:method=lobatto,stages=4",
     "rattle:method=lobatto,stages=5",
+    "galerkin:stages=2",
+    "galerkin:stages=4",
 ];
 
 /// One step of a new engine from the system's initial state.
@@ -99,7 +101,7 @@ fn five_links() -> System {
         energy_scale,
         floating_base: None,
         parts: Parts::default(),
-        mobility: Mobility::default(),
+        mobility: Mobility { tree: kinds.iter().map(|kind| kind.degrees_of_freedom()).sum(), ..Mobility::default() },
     }
 }
 

@@ -1,7 +1,7 @@
 //! The variational RATTLE core as an engine.
 
 use super::{Choice, Engine, Entry, Key, Spec, StepFailure, Unsupported};
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::{Failure, Rattle, Rotation};
 
@@ -21,7 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
     keys: &[Key::Choice(&ORDER), Key::Choice(&ROTATION)],
-    parts: &[],
+    parts: &[Part::JointSprings, Part::Drives],
     build,
 };
 
@@ -30,13 +30,12 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     let order = spec.word(&ORDER);
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
-    if let Some(body) = system.bodies.iter().find(|b| b.joint.damping > 0.0 && composition.stages() > 1) {
+    if let Some(damper) = system.first_damper().filter(|_| composition.stages() > 1) {
         return Err(Unsupported {
             engine: spec.to_string(),
             what: format!(
-                "damping (joint '{}') at order {order}: a composition of order above 2 has backward substeps, in which a \
-                 damper would give energy; use order=2",
-                body.joint.name
+                "damping ({damper}) at order {order}: a composition of order above 2 has backward substeps, in which a \
+                 damper would give energy; use order=2"
             ),
         });
     }

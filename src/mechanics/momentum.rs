@@ -3,7 +3,7 @@
 
 use nalgebra::{Unit, Vector3};
 
-use super::{JointKind, State, System};
+use super::{JointKind, Parts, State, System};
 
 /// A component of momentum that the exact motion conserves.
 #[derive(Clone, Debug)]
@@ -70,6 +70,9 @@ pub fn conserved(system: &System) -> Vec<Conserved> {
         let joint = &body.joint;
         if joint.parent.is_none() && joint.damping == 0.0 {
             let bodies = subtree(system, root);
+            if !is_alone(system, root, &bodies) {
+                continue;
+            }
             for (name, kind) in components(system, root) {
                 found.push(Conserved {
                     scale: momentum_scale(system, &bodies, &kind),
@@ -81,6 +84,20 @@ pub fn conserved(system: &System) -> Vec<Conserved> {
         }
     }
     found
+}
+
+/// Whether nothing but its ground joint's locked directions and gravity acts on a tree from outside.
+fn is_alone(system: &System, root: usize, bodies: &[usize]) -> bool {
+    let Parts { loops, couplings, joint_springs, point_springs, drives } = &system.parts;
+    let inside = |body: Option<usize>| body.is_some_and(|b| bodies.contains(&b));
+    let crosses = |a: Option<usize>, b: Option<usize>| inside(a) != inside(b);
+    !(joint_springs.iter().any(|spring| spring.body == root)
+        || drives.iter().any(|drive| drive.body == root)
+        || couplings
+            .iter()
+            .any(|c| [c.follower, c.source].contains(&root) || crosses(Some(c.follower), Some(c.source)))
+        || loops.iter().any(|closure| crosses(closure.parent, closure.child))
+        || point_springs.iter().any(|spring| crosses(spring.from.body, spring.to.body)))
 }
 
 /// The components that the ground joint of `root` and gravity leave invariant.

@@ -63,9 +63,8 @@ impl System {
         let floating_base =
             (ground == 0).then(|| FloatingBase { body: 0, link_in_body: frames[0].body_in_assembly.inverse() });
         let initial = forward_kinematics(&bodies, &coordinates);
-        let energy_scale = energy::scale(&bodies, &scene.gravity, &initial);
         let places = Places { scene, welded: &welded, frames: &frames, ground };
-        Ok(System {
+        let mut system = System {
             name: scene.name.clone(),
             parts: Parts {
                 loops: places.loops()?,
@@ -78,9 +77,11 @@ impl System {
             gravity: scene.gravity,
             initial,
             initial_coordinates: coordinates,
-            energy_scale,
+            energy_scale: 1.0,
             floating_base,
-        })
+        };
+        system.energy_scale = energy::scale(&system);
+        Ok(system)
     }
 
     /// Number of coordinates that the joints leave free.

@@ -7,6 +7,7 @@
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+mod forces;
 mod joints;
 mod newton;
 mod predictor;

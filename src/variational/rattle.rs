@@ -17,17 +17,18 @@
 //! `h |Omega|` near 1, it goes on with the exact linearisation. `phi(q1)` is computed from the motions of the step, not from
 //! the difference of positions, and the iteration ends at the roundoff of the motions: small steps do not cancel.
 //!
-//! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
-//! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
-//! the joint's motion subspace, implicitly in (3).
+//! Springs and drives in joints are part of the discrete Lagrangian, and dampers enter by the discrete Lagrange-d'Alembert
+//! principle (Marsden and West, section 3.2): each half kick carries an impulse along the joint's motion subspace, which
+//! is solved for with (3); see `forces`.
 //!
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
+use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
-use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
+use super::forces::{JointForce, joint_forces};
+use super::joints::{Motion, Moved, Node, Place, Pose, coordinates_of, keep_locked, mismatch, nodes};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
 use super::rotation::Rotation;
@@ -96,14 +97,14 @@ pub struct Rattle {
     tree: Tree,
     /// The part of the joints' mismatch there that the next step takes away.
     gap0: Vec<Twist>,
-    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
-    damped: Option<Tree>,
+    /// What acts along the joints' coordinates.
+    forces: Vec<JointForce>,
+    /// Where that depends on the motion: the factorisation with its implicit part, which (3) needs and (5) must not have.
+    implicit: Option<Tree>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,
-    /// Change of the coordinates of each damped joint over the step.
-    travel: Vec<Vector3<f64>>,
-    /// By how much `S . wrench` of a damped joint differs from `-c travel / 2`.
+    /// By how much `S . wrench` of a joint exceeds the impulse of its own forces.
     along: Vec<Vector3<f64>>,
     /// Impulse on the child at its joint point over the first half kick.
     wrench: Vec<Wrench>,
@@ -111,8 +112,8 @@ pub struct Rattle {
     twist: Vec<Twist>,
     predictor: Predictor,
     newton: Newton,
-    /// s since the start, for the predictor.
-    time: f64,
+    /// Time since the start, s.
+    time: Compensated<1>,
     /// A length of the system, which weighs angles against positions, m.
     length: f64,
     /// Rounds of the constraint iteration since the start.
@@ -133,7 +134,8 @@ impl Rattle {
     /// # Errors
     /// [`Failure::Singular`] where a joint can move without moving any mass.
     pub fn from_state(system: &System, state: &State) -> Result<Rattle, Failure> {
-        let nodes = nodes(system);
+        let mut nodes = nodes(system);
+        let forces = joint_forces(system, state, &mut nodes);
         let n = nodes.len();
         let ground = Body {
             x: Vector3::zeros().into(),
@@ -168,18 +170,18 @@ impl Rattle {
             bodies,
             places: vec![Place::GROUND; n],
             tree: Tree::new(&nodes),
-            damped: nodes.iter().any(|node| node.damping > 0.0).then(|| Tree::new(&nodes)),
+            implicit: forces.iter().any(JointForce::is_implicit).then(|| Tree::new(&nodes)),
+            forces,
             pose,
             gap0: vec![Spatial::ZERO; n],
             trial: vec![rest; n],
             bias: vec![Spatial::ZERO; n],
-            travel: vec![Vector3::zeros(); n],
             along: vec![Vector3::zeros(); n],
             wrench: vec![Spatial::ZERO; n],
             twist: vec![Spatial::ZERO; n],
             predictor: Predictor::new(n),
             newton: Newton::new(n),
-            time: 0.0,
+            time: Compensated::new(SVector::zeros()),
             length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
             rounds: 0,
             nodes,
@@ -199,14 +201,10 @@ impl Rattle {
     /// # Errors
     /// See [`Failure`].
     pub fn step(&mut self, h: f64) -> Result<(), Failure> {
-        if let Some(damped) = &mut self.damped {
-            let (nodes, pose) = (&self.nodes, &self.pose);
-            damped
-                .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
-                .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
-        }
+        self.begin_forces(h)?;
         self.solve_constraints(h)?;
-        self.predictor.record(self.time, h, &self.pose, &self.wrench);
+        self.predictor.record(self.time.value.x, h, &self.pose, &self.wrench);
+        self.forces.iter_mut().for_each(JointForce::end);
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
@@ -216,8 +214,18 @@ impl Rattle {
         }
         self.factorise()?;
         self.project_momenta(h);
-        self.time += h;
+        self.time.add(&SVector::<f64, 1>::new(h));
         Ok(())
+    }
+
+    /// Prepares what acts along the joints for a step of size `h`.
+    fn begin_forces(&mut self, h: f64) -> Result<(), Failure> {
+        self.forces.iter_mut().for_each(|force| force.begin(self.time.value.x, h));
+        let Some(tree) = &mut self.implicit else { return Ok(()) };
+        let (nodes, pose, forces) = (&self.nodes, &self.pose, &self.forces);
+        let implicit = |i: usize| nodes[i].force.map_or(0.0, |k| forces[k].implicit(h));
+        tree.factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), implicit)
+            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
@@ -226,10 +234,10 @@ impl Rattle {
         let mut degree = self.predictor.degree();
         loop {
             match degree {
-                Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose, &mut self.wrench),
+                Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
                 None => self.wrench.fill(Spatial::ZERO),
             }
-            for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].damping == 0.0) {
+            for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].force.is_none()) {
                 keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             }
             match (self.iterate(h), degree) {
@@ -311,10 +319,13 @@ impl Rattle {
             let gap = moved.locked(node, place, parent) + self.gap0[i];
             let mut size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
-            if node.damping > 0.0 {
-                self.travel[i] = moved.travel(node, place, parent);
-                self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
-                size += h.abs() * self.along[i].norm() * self.compliance(i);
+            if let Some(force) = node.force.map(|k| &mut self.forces[k]) {
+                let travel = moved.travel(node, place, parent);
+                self.along[i] = force.excess(travel, coordinates_of(node, place, &self.wrench[i]));
+                let impulse = force.impulse().norm();
+                let effect = h.abs() * self.compliance(i);
+                size += effect * self.along[i].norm();
+                roundoff = roundoff.max(effect * impulse);
             }
             // What is not a number stays the worst.
             if size > worst || !(size + trial.roundoff).is_finite() {
@@ -329,9 +340,11 @@ impl Rattle {
     fn correct(&mut self) {
         let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
         let add = |i: usize, _: &Twist, f: Wrench| wrench[i] += f;
-        match &mut self.damped {
-            None => self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add),
-            Some(damped) => damped.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add),
+        let tree = self.implicit.as_mut().unwrap_or(&mut self.tree);
+        if self.forces.is_empty() {
+            tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add);
+        } else {
+            tree.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add);
         }
     }
 
@@ -347,7 +360,7 @@ impl Rattle {
                 turn: Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent).turn,
                 locked: self.bias[i].scaled(-h),
                 along: self.along[i],
-                implicit: 0.5 * h * node.damping,
+                implicit: node.force.map_or(0.0, |k| self.forces[k].implicit(h)),
             };
         }
         let wrench = &mut self.wrench;
@@ -377,9 +390,9 @@ impl Rattle {
         for i in 1..nodes.len() {
             self.trial[i].kick = Spatial::new(0.5 * h * nodes[i].mass * self.gravity, Vector3::zeros());
         }
-        if self.damped.is_some() && h > 0.0 {
-            for i in (1..nodes.len()).filter(|&i| nodes[i].damping > 0.0) {
-                let impulse = along_joint(&nodes[i], &self.places[i], &(-0.5 * nodes[i].damping * self.travel[i]));
+        if !self.forces.is_empty() {
+            for (i, k) in (1..nodes.len()).filter_map(|i| Some((i, nodes[i].force?))) {
+                let impulse = self.forces[k].second_half(&nodes[i], &self.places[i]);
                 add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
             }
         }
@@ -404,10 +417,10 @@ impl Rattle {
         }
     }
 
-    /// By how much a unit impulse along a damped joint changes its velocity, times the system's length for an angle.
+    /// By how much a unit impulse along a joint changes its velocity, times the system's length for an angle.
     fn compliance(&self, i: usize) -> f64 {
         let weight = if self.nodes[i].kind == JointKind::Prismatic { 1.0 } else { self.length };
-        self.damped.as_ref().map_or(0.0, |tree| weight * tree.compliance(i))
+        weight * self.implicit.as_ref().unwrap_or(&self.tree).compliance(i)
     }
 
     /// Writes the present state: poses, and the twists that fit the joints.

@@ -163,6 +163,19 @@ impl Parts {
 }
 
 impl System {
+    /// All that pulls on the coordinates of a body's joint, as one spring: the springs together, and the damping of the
+    /// joint with that of the springs. `rest` is where the springs hold each other.
+    pub fn joint_spring(&self, body: usize) -> JointSpring {
+        let springs = || self.parts.joint_springs.iter().filter(|spring| spring.body == body);
+        let stiffness: f64 = springs().map(|spring| spring.stiffness).sum();
+        let damping = self.bodies[body].joint.damping + springs().map(|spring| spring.damping).sum::<f64>();
+        // From the first one, so that the rest of a single spring is not rounded.
+        let first = springs().next().map_or(0.0, |spring| spring.rest);
+        let moment: f64 = springs().map(|spring| spring.stiffness * (spring.rest - first)).sum();
+        let rest = if stiffness > 0.0 { first + moment / stiffness } else { first };
+        JointSpring { body, stiffness, damping, rest }
+    }
+
     /// A damper, in words for messages: the first that there is in a joint, beside a joint's spring or between two points.
     pub fn first_damper(&self) -> Option<String> {
         let springs = self.parts.joint_springs.iter().filter(|spring| spring.damping > 0.0).map(|spring| spring.body);

@@ -29,7 +29,7 @@ use super::compensated::Compensated;
 use super::joints::{Node, Place, along_joint};
 use super::spatial::Wrench;
 use crate::mechanics::coordinates::CoordinateTracker;
-use crate::mechanics::{Drive, State, System};
+use crate::mechanics::{Drive, JointSpring, State, System};
 
 /// What acts along the coordinates of one joint. Springs and drives act in joints of one coordinate.
 #[derive(Clone, Debug)]
@@ -53,27 +53,21 @@ pub(super) struct JointForce {
 
 /// The joints' forces, one entry a joint that has any. Writes their places into the nodes.
 pub(super) fn joint_forces(system: &System, state: &State, nodes: &mut [Node]) -> Vec<JointForce> {
-    let parts = &system.parts;
     let mut tracker = CoordinateTracker::new(system);
     tracker.update(system, state, 0.0);
     let mut all = Vec::new();
-    for (i, body) in system.bodies.iter().enumerate() {
-        let springs = || parts.joint_springs.iter().filter(|spring| spring.body == i);
-        let drives: Vec<Drive> = parts.drives.iter().filter(|drive| drive.body == i).cloned().collect();
-        let stiffness: f64 = springs().map(|spring| spring.stiffness).sum();
-        let damping = body.joint.damping + springs().map(|spring| spring.damping).sum::<f64>();
+    for i in 0..system.bodies.len() {
+        let drives: Vec<Drive> = system.parts.drives.iter().filter(|drive| drive.body == i).cloned().collect();
+        let JointSpring { stiffness, damping, rest, .. } = system.joint_spring(i);
         if stiffness == 0.0 && damping == 0.0 && drives.is_empty() {
             continue;
         }
-        // sum k (theta - rest) = K (theta - sum k rest / K), summed as deflections: close numbers subtract exactly.
         let theta = settled(tracker.joints[i].position[0], system.initial_coordinates[i].position[0]);
-        let moment: f64 = springs().map(|spring| spring.stiffness * (theta - spring.rest)).sum();
-        let deflection = if stiffness > 0.0 { moment / stiffness } else { 0.0 };
         nodes[i + 1].force = Some(all.len());
         all.push(JointForce {
             stiffness,
             damping,
-            deflection: Compensated::new(SVector::<f64, 1>::new(deflection)),
+            deflection: Compensated::new(SVector::<f64, 1>::new(theta - rest)),
             drives,
             constant: 0.0,
             slope: 0.0,

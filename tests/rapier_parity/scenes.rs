@@ -1,7 +1,7 @@
 //! Scenes that together hold every kind of joint, none of them aligned with anything, and the scenes that are shipped.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, Vector3};
-use rattlebench::mechanics::System;
+use rattlebench::mechanics::{Anchor, Drive, JointSpring, PointSpring, System};
 use rattlebench::model::scene::JointInitial;
 use rattlebench::model::{Base, Inertial, Joint, JointKind, Link, Model, Scene};
 
@@ -65,6 +65,40 @@ pub fn damped(system: &System, damping: f64) -> System {
         joint.damping = damping;
     }
     damped
+}
+
+/// The same system with a damped spring and two drives in every joint of one coordinate.
+pub fn sprung_and_driven(system: &System) -> System {
+    let mut sprung = system.clone();
+    for body in 0..system.bodies.len() {
+        if system.bodies[body].joint.kind.degrees_of_freedom() != 1 {
+            continue;
+        }
+        let rest = system.initial_coordinates[body].position[0] + 0.8;
+        sprung.parts.joint_springs.push(JointSpring { body, stiffness: 0.4, damping: 0.01, rest });
+        let drive = |effort, amplitude| Drive { body, effort, amplitude, angular_frequency: 9.0, phase: 0.6 };
+        sprung.parts.drives.extend([drive(0.1, 0.0), drive(0.0, -0.3)]);
+    }
+    sprung
+}
+
+/// The same system with a damped spring from the ground to every body, and one between the first and the last.
+pub fn hung_on_springs(system: &System) -> System {
+    let mut hung = system.clone();
+    let anchor = |body: Option<usize>, i: usize| Anchor { body, point: vector(i, 0.3, 0.4) };
+    let last = system.bodies.len() - 1;
+    let pairs = (0..=last).map(|i| (None, Some(i))).chain((last > 0).then_some((Some(0), Some(last))));
+    hung.parts.point_springs = pairs
+        .enumerate()
+        .map(|(i, (from, to))| PointSpring {
+            from: anchor(from, i),
+            to: anchor(to, i + 3),
+            stiffness: 3.0,
+            damping: 0.05,
+            rest_length: 0.1,
+        })
+        .collect();
+    hung
 }
 
 fn moving(name: &str, floating: bool, tree: &Tree) -> System {

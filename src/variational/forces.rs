@@ -114,11 +114,6 @@ impl JointForce {
         self.deflection.add(&SVector::<f64, 1>::new(self.travel.x));
     }
 
-    /// `S . w` of the last trial.
-    pub(super) fn impulse(&self) -> &Vector3<f64> {
-        &self.impulse
-    }
-
     /// The impulse of the second half kick, on the child about its joint point.
     pub(super) fn second_half(&self, node: &Node, place: &Place) -> Wrench {
         along_joint(node, place, &self.impulse)

@@ -201,7 +201,9 @@ impl Rattle {
     /// # Errors
     /// See [`Failure`].
     pub fn step(&mut self, h: f64) -> Result<(), Failure> {
-        self.begin_forces(h)?;
+        if !self.forces.is_empty() {
+            self.begin_forces(h)?;
+        }
         self.solve_constraints(h)?;
         self.predictor.record(self.time.value.x, h, &self.pose, &self.wrench);
         self.forces.iter_mut().for_each(JointForce::end);
@@ -237,8 +239,11 @@ impl Rattle {
                 Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
                 None => self.wrench.fill(Spatial::ZERO),
             }
-            for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].force.is_none()) {
-                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            let forced = !self.forces.is_empty();
+            for (i, node) in self.nodes.iter().enumerate().skip(1) {
+                if !(forced && node.force.is_some()) {
+                    keep_locked(node, &self.places[i], &mut self.wrench[i]);
+                }
             }
             match (self.iterate(h), degree) {
                 (Err(_), Some(used)) => degree = used.checked_sub(1),
@@ -317,23 +322,35 @@ impl Rattle {
             let parent = &self.trial[node.parent].motion;
             let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
             let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let mut size = gap.linear.norm() + self.length * gap.angular.norm();
+            let size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
-            if let Some(force) = node.force.map(|k| &mut self.forces[k]) {
-                let travel = moved.travel(node, place, parent);
-                self.along[i] = force.excess(travel, coordinates_of(node, place, &self.wrench[i]));
-                let impulse = force.impulse().norm();
-                let effect = h.abs() * self.compliance(i);
-                size += effect * self.along[i].norm();
-                roundoff = roundoff.max(effect * impulse);
-            }
             // What is not a number stays the worst.
             if size > worst || !(size + trial.roundoff).is_finite() {
                 (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
             }
             roundoff = trial.roundoff.max(roundoff);
         }
+        if !self.forces.is_empty() {
+            self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);
+        }
         (joint, worst, f64::EPSILON * roundoff)
+    }
+
+    /// The same for what acts along the joints: by how far the joint would move if the impulse were right.
+    fn measure_excess(&mut self, h: f64, (joint, worst): (&mut usize, &mut f64), roundoff: &mut f64) {
+        for (i, k) in (1..self.nodes.len()).filter_map(|i| Some((i, self.nodes[i].force?))) {
+            let (node, place, parent) = (&self.nodes[i], &self.places[i], self.nodes[i].parent);
+            let (motion, carried) = (&self.trial[i].motion, &self.trial[parent].motion);
+            let travel = Moved::new(place, &self.places[parent].arm, motion, carried).travel(node, place, carried);
+            let impulse = coordinates_of(node, place, &self.wrench[i]);
+            self.along[i] = self.forces[k].excess(travel, impulse);
+            let effect = h.abs() * self.compliance(i);
+            let size = effect * self.along[i].norm();
+            if size > *worst || !size.is_finite() {
+                (*worst, *joint) = (size, i - 1);
+            }
+            *roundoff = roundoff.max(effect * impulse.norm());
+        }
     }
 
     /// (3): one round of the chord iteration.

@@ -117,8 +117,10 @@ fn constraint_of(text: &str) -> Constraint {
 
 #[test]
 fn initial_accelerations_are_those_of_the_dense_equations_of_motion() {
-    for system in scenes::all_and_shipped() {
-        for (text, h) in [(IMPULSE_CONVERGED, 1e-3), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
+    for system in scenes::all_and_shipped().iter().map(scenes::softened) {
+        // A spring's error has the scale of its period.
+        let impulse_step = if system.parts.joint_springs.is_empty() { 1e-3 } else { 2e-4 };
+        for (text, h) in [(IMPULSE_CONVERGED, impulse_step), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
             for (name, system) in [("moving", system.clone()), ("at rest", scenes::at_rest(&system))] {
                 let error = acceleration_error(text, &system, &system, h, constraint_of(text));
                 // measured 3.3e-9 with impulse joints, 3.9e-10 with multibody joints, 3e-14 of these at rest
@@ -231,7 +233,7 @@ fn what_rapier_cannot_do_with_springs_is_said() {
     assert!(refused(MULTIBODY, &hung).contains("springs between points with joints=multibody"));
     let mut faint = system.clone();
     faint.parts.joint_springs = vec![JointSpring { body: 0, stiffness: 1e-16, damping: 0.0, rest: 0.0 }];
-    assert!(refused(IMPULSE, &faint).contains("a motor so weak that it acts as a lock"));
+    assert!(refused(IMPULSE, &faint).ends_with("so weak a motor acts as a lock"));
 }
 
 #[test]
@@ -259,15 +261,16 @@ fn accelerations_see_one_percent_of_mass_and_inertia_and_two_millimetres_of_a_jo
 #[test]
 fn runs_converge_to_those_of_the_variational_core_at_first_order() {
     let time = 0.02;
-    for system in scenes::all_and_shipped() {
+    for system in scenes::all_and_shipped().iter().map(scenes::softened) {
         let exact = after("rattle", &system, time / 2000.0, 2000);
         for text in [IMPULSE_CONVERGED, MULTIBODY_ONE_SUBSTEP] {
             let text = text.replace("iterations=3000", "iterations=600");
             let error = |steps: u32| difference(&after(&text, &system, time / f64::from(steps), steps), &exact);
             let (coarse, fine) = (error(100), error(400));
             let order = (coarse / fine).log(4.0);
-            // measured 5.6e-5
-            assert!(fine <= 1.5e-4, "{text}, {}: {fine:e}", system.name);
+            // measured 5.6e-5, and 4.0e-4 with springs (driven_arm)
+            let bound = if system.parts.joint_springs.is_empty() { 1.5e-4 } else { 1e-3 };
+            assert!(fine <= bound, "{text}, {}: {fine:e}", system.name);
             assert!((order - 1.0).abs() <= 0.05, "{text}, {}: order {order}", system.name);
         }
     }

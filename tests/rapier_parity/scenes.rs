@@ -82,6 +82,15 @@ pub fn sprung_and_driven(system: &System) -> System {
     sprung
 }
 
+/// The same system with joint springs of at most 100 N m/rad or N/m, which the steps of these tests resolve.
+pub fn softened(system: &System) -> System {
+    let mut soft = system.clone();
+    for spring in &mut soft.parts.joint_springs {
+        spring.stiffness = spring.stiffness.min(100.0);
+    }
+    soft
+}
+
 /// The same system with a damped spring from the ground to every body, and one between the first and the last.
 pub fn hung_on_springs(system: &System) -> System {
     let mut hung = system.clone();

@@ -60,34 +60,37 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
         }
         let name = &body.joint.name;
         let spring = system.joint_spring(i);
-        let whose = || format!("of joint '{name}'");
-        check_spring(spring.stiffness, spring.damping, substep, !settings.multibody).map_err(|why| why + &whose())?;
+        let whose = format!("of joint '{name}'");
+        check_spring(spring.stiffness, spring.damping, substep, !settings.multibody, &whose)?;
         let wound = system.initial_coordinates[i].position[0] - spring.rest;
         let turns = spring.stiffness > 0.0 && body.joint.kind == JointKind::Revolute && wound.abs() > PI;
         if turns && !settings.multibody {
-            return Err(format!("a spring wound up by {wound:.3} rad {}: a motor knows angles modulo a turn", whose()));
+            return Err(format!("a spring {whose} wound up by {wound:.3} rad: a motor knows angles modulo a turn"));
         }
     }
     for (i, spring) in system.parts.point_springs.iter().enumerate() {
         if settings.multibody {
             return Err("springs between points with joints=multibody: a spring joint does not act on its links".into());
         }
-        let whose = || format!("of the spring between points {i}");
-        check_spring(spring.stiffness, spring.damping, substep, true).map_err(|why| why + &whose())?;
+        check_spring(spring.stiffness, spring.damping, substep, true, &format!("of point spring {i}"))?;
     }
     Ok(())
 }
 
 /// Whether a spring's numbers stay numbers in a substep. A motor is solved with the compliance `1 / (h^2 k + h c)`, which
 /// rapier takes for zero, a lock, where the denominator is too small.
-fn check_spring(stiffness: f64, damping: f64, substep: Real, motor: bool) -> Result<(), String> {
+fn check_spring(stiffness: f64, damping: f64, substep: Real, motor: bool, whose: &str) -> Result<(), String> {
+    let numbers = || match (stiffness > 0.0, damping > 0.0) {
+        (true, true) => format!("the stiffness {stiffness:e} and damping {damping:e} {whose}"),
+        (true, false) => format!("the stiffness {stiffness:e} {whose}"),
+        _ => format!("the damping {damping:e} {whose}"),
+    };
     let pull = substep * substep * narrow(stiffness) + substep * narrow(damping);
-    let numbers = || format!("the stiffness {stiffness:e} and damping {damping:e} ");
     if !(pull.is_finite() && narrow(stiffness).is_finite()) {
-        return Err(format!("numbers that overflow in {PRECISION}: {}", numbers()));
+        return Err(format!("{}: it overflows in {PRECISION}", numbers()));
     }
     if motor && (stiffness > 0.0 || damping > 0.0) && pull <= narrow(SMALLEST_INVERTED) {
-        return Err(format!("a motor so weak that it acts as a lock: {}", numbers()));
+        return Err(format!("{}: so weak a motor acts as a lock", numbers()));
     }
     Ok(())
 }

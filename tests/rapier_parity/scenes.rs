@@ -82,11 +82,11 @@ pub fn sprung_and_driven(system: &System) -> System {
     sprung
 }
 
-/// The same system with joint springs of at most 100 N m/rad or N/m, which the steps of these tests resolve.
+/// The same system with joint springs of at most 20 N m/rad or N/m, which the steps of these tests resolve.
 pub fn softened(system: &System) -> System {
     let mut soft = system.clone();
     for spring in &mut soft.parts.joint_springs {
-        spring.stiffness = spring.stiffness.min(100.0);
+        spring.stiffness = spring.stiffness.min(20.0);
     }
     soft
 }

@@ -3,6 +3,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 
+use super::closing::{Closing, Given, Open};
 use super::coordinates::{JointCoordinates, forward_kinematics};
 use super::parts::{Anchor, Closure, Coupling, Drive, JointSpring, Parts, PointSpring};
 use super::{Body, FloatingBase, Joint, JointKind, System, energy};
@@ -34,6 +35,21 @@ pub enum CompileError {
          continuous or prismatic)"
     )]
     MimicCoordinates { scene: String, joint: String, source_joint: String },
+    #[error(
+        "scene '{scene}': {what} cannot be closed: {by:.3e} m or rad stay open at the nearest positions that were found; \
+         leave a joint of the loop out of \"initial\", or check its geometry"
+    )]
+    StaysOpen { scene: String, what: String, by: f64 },
+    #[error(
+        "scene '{scene}': the initial velocities open {what} at {by:.3e} m/s or rad/s; leave the velocity of a joint of \
+         the loop out of \"initial\""
+    )]
+    Opens { scene: String, what: String, by: f64 },
+    #[error(
+        "scene '{scene}': nothing can move: its loops take away {rank} of the tree's {tree} degrees of freedom where it \
+         starts"
+    )]
+    NoMobility { scene: String, tree: usize, rank: usize },
 }
 
 impl System {
@@ -47,6 +63,7 @@ impl System {
         let frames: Vec<Principal> = welded.assemblies.iter().map(|a| principal(&scene.model, a)).collect();
         let mut bodies = Vec::with_capacity(frames.len());
         let mut coordinates = Vec::with_capacity(frames.len());
+        let mut given = Vec::with_capacity(frames.len());
         for (assembly, frame) in welded.assemblies.iter().zip(&frames).skip(ground) {
             let (joint, theta) = match assembly.joint {
                 Some(j) => tree_joint(scene, j, &welded, &frames, ground),
@@ -56,23 +73,39 @@ impl System {
             check(scene, &name, &joint, frame)?;
             bodies.push(Body { name, mass: frame.mass, inertia: frame.moments, joint });
             coordinates.push(theta);
+            given.push(assembly.joint.map_or(BASE_GIVEN, |j| {
+                let initial = &scene.initial[j];
+                Given { position: initial.position_given, velocity: initial.velocity_given }
+            }));
         }
         if bodies.is_empty() {
             return Err(CompileError::NothingMoves { scene: scene.name.clone() });
         }
         let floating_base =
             (ground == 0).then(|| FloatingBase { body: 0, link_in_body: frames[0].body_in_assembly.inverse() });
-        let initial = forward_kinematics(&bodies, &coordinates);
         let places = Places { scene, welded: &welded, frames: &frames, ground };
+        let parts = Parts {
+            loops: places.loops()?,
+            couplings: places.couplings()?,
+            joint_springs: places.joint_springs(),
+            point_springs: places.point_springs()?,
+            drives: places.drives(),
+        };
+        let closing = Closing::new(&bodies, &parts);
+        closing.close(&mut coordinates, &given).map_err(|open| stays_open(scene, &bodies, &parts, open))?;
+        let mobility = closing.mobility(&coordinates);
+        if mobility.degrees_of_freedom() == 0 {
+            return Err(CompileError::NoMobility {
+                scene: scene.name.clone(),
+                tree: mobility.tree,
+                rank: mobility.rank,
+            });
+        }
+        let initial = forward_kinematics(&bodies, &coordinates);
         let mut system = System {
             name: scene.name.clone(),
-            parts: Parts {
-                loops: places.loops()?,
-                couplings: places.couplings()?,
-                joint_springs: places.joint_springs(),
-                point_springs: places.point_springs()?,
-                drives: places.drives(),
-            },
+            mobility,
+            parts,
             bodies,
             gravity: scene.gravity,
             initial,
@@ -84,9 +117,28 @@ impl System {
         Ok(system)
     }
 
-    /// Number of coordinates that the joints leave free.
+    /// Number of coordinates that joints, loops and couplings leave free at t = 0.
     pub fn degrees_of_freedom(&self) -> usize {
-        self.bodies.iter().map(|b| b.joint.kind.degrees_of_freedom()).sum()
+        self.mobility.degrees_of_freedom()
+    }
+}
+
+/// The root of a floating scene is where the scene says.
+const BASE_GIVEN: Given = Given { position: true, velocity: true };
+
+/// The error for a loop or coupling that cannot be closed.
+fn stays_open(scene: &Scene, bodies: &[Body], parts: &Parts, open: Open) -> CompileError {
+    let what = |part: usize| match parts.loops.get(part) {
+        Some(closure) => format!("loop '{}'", closure.name),
+        None => {
+            let coupling = &parts.couplings[part - parts.loops.len()];
+            format!("the mimic of joint '{}'", bodies[coupling.follower].joint.name)
+        }
+    };
+    let name = scene.name.clone();
+    match open {
+        Open::Position { part, by } => CompileError::StaysOpen { scene: name, what: what(part), by },
+        Open::Velocity { part, by } => CompileError::Opens { scene: name, what: what(part), by },
     }
 }
 

@@ -15,7 +15,7 @@ use rattlebench::discrete::structure::{canonical_form, join, split};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use rattlebench::mechanics::{Body, Drive, Joint, JointKind, JointSpring, Parts, State, System, energy};
+use rattlebench::mechanics::{Body, Drive, Joint, JointKind, JointSpring, Mobility, Parts, State, System, energy};
 use rattlebench::model::Scene;
 
 /// s
@@ -128,6 +128,7 @@ fn five_links() -> System {
         energy_scale: 1.0,
         floating_base: None,
         parts: Parts::default(),
+        mobility: Mobility::default(),
     };
     system.energy_scale = energy::scale(&system);
     system

@@ -39,6 +39,17 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
             ),
         });
     }
+    let rows = system.parts.kinds().any(|part| matches!(part, Part::Loops | Part::Mimics | Part::PointSprings));
+    if let Some(body) = system.bodies.iter().find(|body| rows && body.inertia.max() == 0.0) {
+        return Err(Unsupported {
+            engine: spec.to_string(),
+            what: format!(
+                "link '{}', which moves without moments of inertia, beside loops, mimic joints or springs between points; \
+                 give it an <inertia>",
+                body.name
+            ),
+        });
+    }
     let rattle = Rattle::new(system)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step, &names) })?;
     let rotation = match spec.word(&ROTATION) {

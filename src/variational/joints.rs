@@ -24,6 +24,10 @@ pub(super) struct Node {
     pub parent_frame: Matrix3<f64>,
     /// Where springs, dampers and drives act along the joint's coordinates: their place in the list of forces.
     pub force: Option<usize>,
+    /// Without moments of inertia.
+    pub light: bool,
+    /// Articulated inertia along the joint that counts as none, kg or kg m^2; 0 unless light.
+    pub least: f64,
 }
 
 /// The system's bodies behind a node for the ground.
@@ -38,6 +42,8 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         parent_arm: Vector3::zeros(),
         parent_frame: Matrix3::identity(),
         force: None,
+        light: false,
+        least: 0.0,
     };
     let bodies = system.bodies.iter().map(|body| Node {
         parent: body.joint.parent.map_or(0, |p| p + 1),
@@ -49,6 +55,8 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         parent_arm: body.joint.in_parent.translation.vector,
         parent_frame: body.joint.in_parent.rotation.to_rotation_matrix().into_inner(),
         force: None,
+        light: false,
+        least: 0.0,
     });
     std::iter::once(ground).chain(bodies).collect()
 }

@@ -24,6 +24,8 @@
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
+mod light;
+
 use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
@@ -115,6 +117,8 @@ pub struct Rattle {
     twist: Vec<Twist>,
     predictor: Predictor,
     newton: Newton,
+    /// Nodes without moments of inertia.
+    light: Vec<usize>,
     /// Loops, couplings and springs between points, where there are any.
     loops: Option<Box<Loops>>,
     /// Time since the start, s.
@@ -169,6 +173,8 @@ impl Rattle {
             pose[i + 1] = Pose::new(b.position, b.attitude.coords);
         }
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let length = if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 };
+        light::mark(&mut nodes, length);
         let tree = Tree::new(&nodes);
         let implicit = forces.iter().any(JointForce::is_implicit).then(|| tree.clone());
         let mut rattle = Rattle {
@@ -176,6 +182,7 @@ impl Rattle {
             rotation: Rotation::MoserVeselov,
             bodies,
             places: vec![Place::GROUND; n],
+            light: (1..n).filter(|&i| nodes[i].light).collect(),
             loops: Loops::new(system, &nodes, &tree, implicit.is_some()),
             tree,
             implicit,
@@ -190,7 +197,7 @@ impl Rattle {
             predictor: Predictor::new(n),
             newton: Newton::new(n),
             time: Compensated::new(SVector::zeros()),
-            length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
+            length,
             rounds: 0,
             nodes,
         };
@@ -227,6 +234,7 @@ impl Rattle {
             loops.record(time, h);
             loops.accept(RETURN);
         }
+        self.settle_light();
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
@@ -278,6 +286,7 @@ impl Rattle {
     /// The chord iteration, down to roundoff.
     fn iterate(&mut self, h: f64) -> Result<(), Failure> {
         let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
+        self.start_light(h);
         loop {
             self.kick_and_drift(h)?;
             let (mut place, mut residual, mut roundoff) = self.measure_mismatch(h);
@@ -327,6 +336,9 @@ impl Rattle {
             loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
         }
         for i in 1..self.nodes.len() {
+            if self.nodes[i].light {
+                continue;
+            }
             let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
@@ -345,6 +357,7 @@ impl Rattle {
                 + self.length * hm.norm() / node.inertia.min()
                 + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
+        self.drift_light(h);
         Ok(())
     }
 
@@ -368,6 +381,13 @@ impl Rattle {
         }
         if !self.forces.is_empty() {
             self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);
+        }
+        if !self.light.is_empty() {
+            let (body, size, noise) = self.measure_imbalance(h);
+            roundoff = roundoff.max(noise / f64::EPSILON);
+            if !(size <= worst) {
+                (worst, joint) = (size, body);
+            }
         }
         (Open::Joint(joint), worst, f64::EPSILON * roundoff)
     }
@@ -404,7 +424,11 @@ impl Rattle {
     /// (3): one round of the chord iteration.
     fn correct(&mut self, h: f64) {
         let Some(mut loops) = self.loops.take() else {
-            self.correct_tree(|_, _| ());
+            if self.light.is_empty() {
+                self.correct_tree(|_, _| ());
+            } else {
+                self.correct_loaded(h);
+            }
             return;
         };
         let twist = loops.first_pass();
@@ -429,6 +453,16 @@ impl Rattle {
         }
     }
 
+    /// The same where light bodies have impulses to balance.
+    fn correct_loaded(&mut self, h: f64) {
+        let mut tree = std::mem::replace(self.implicit.as_mut().unwrap_or(&mut self.tree), Tree::EMPTY);
+        tree.load(&self.nodes, &self.places, |i| self.imbalance(i));
+        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
+        tree.correct_loaded(&self.nodes, &self.places, |i| bias[i], |i| along[i], |i, _, f| wrench[i] += f);
+        self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.places[i].arm));
+        *self.implicit.as_mut().unwrap_or(&mut self.tree) = tree;
+    }
+
     /// (3): one round of Newton's method with the exact linearisation.
     fn relinearise_and_correct(&mut self, h: f64) -> Result<(), Failure> {
         for i in 1..self.nodes.len() {
@@ -442,6 +476,7 @@ impl Rattle {
                 locked: self.bias[i].scaled(-h),
                 along: self.along[i],
                 implicit: node.force.map_or(0.0, |k| self.forces[k].implicit(h)),
+                kick: self.imbalance(i),
             };
         }
         let (wrench, trial) = (&mut self.wrench, &self.trial);
@@ -451,7 +486,12 @@ impl Rattle {
             let motion = |i: usize| trial[i].motion;
             solved = loops.correct_exactly(h, newton, nodes, &self.pose, places, &motion, |i, f| wrench[i] += f);
         }
-        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
+        self.correct_light(h, |rattle, i| {
+            let (arm, motion) = (&rattle.places[i].arm, &rattle.trial[i].motion);
+            rattle.newton.motion(i).twist_at(&-(arm + motion.turned(arm)))
+        });
+        Ok(())
     }
 
     /// Places the joints at the start configuration and factorises there.
@@ -510,6 +550,7 @@ impl Rattle {
             keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
+        self.settle_light();
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear);
             body.pi.add(&trial.kick.angular);

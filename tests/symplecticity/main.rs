@@ -128,7 +128,7 @@ fn five_links() -> System {
         energy_scale: 1.0,
         floating_base: None,
         parts: Parts::default(),
-        mobility: Mobility::default(),
+        mobility: Mobility { tree: kinds.iter().map(|kind| kind.degrees_of_freedom()).sum(), ..Mobility::default() },
     };
     system.energy_scale = energy::scale(&system);
     system

@@ -24,7 +24,7 @@ pub(super) struct Node {
     pub parent_frame: Matrix3<f64>,
     /// Where springs, dampers and drives act along the joint's coordinates: their place in the list of forces.
     pub force: Option<usize>,
-    /// Without moments of inertia.
+    /// With no or very little inertia.
     pub light: bool,
     /// Articulated inertia along the joint that counts as none, kg or kg m^2; 0 unless light.
     pub least: f64,

@@ -117,7 +117,7 @@ pub struct Rattle {
     twist: Vec<Twist>,
     predictor: Predictor,
     newton: Newton,
-    /// Nodes without moments of inertia.
+    /// Nodes with no or very little inertia.
     light: Vec<usize>,
     /// Loops, couplings and springs between points, where there are any.
     loops: Option<Box<Loops>>,
@@ -174,7 +174,9 @@ impl Rattle {
         }
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let length = if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 };
-        light::mark(&mut nodes, length);
+        let rows = &system.parts;
+        let rows = !(rows.loops.is_empty() && rows.couplings.is_empty() && rows.point_springs.is_empty());
+        light::mark(&mut nodes, length, !rows);
         let tree = Tree::new(&nodes);
         let implicit = forces.iter().any(JointForce::is_implicit).then(|| tree.clone());
         let mut rattle = Rattle {
@@ -234,7 +236,7 @@ impl Rattle {
             loops.record(time, h);
             loops.accept(RETURN);
         }
-        self.settle_light();
+        self.kick_light(h);
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
@@ -357,7 +359,6 @@ impl Rattle {
                 + self.length * hm.norm() / node.inertia.min()
                 + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
-        self.drift_light(h);
         Ok(())
     }
 
@@ -456,7 +457,7 @@ impl Rattle {
     /// The same where light bodies have impulses to balance.
     fn correct_loaded(&mut self, h: f64) {
         let mut tree = std::mem::replace(self.implicit.as_mut().unwrap_or(&mut self.tree), Tree::EMPTY);
-        tree.load(&self.nodes, &self.places, |i| self.imbalance(i));
+        tree.load(&self.nodes, &self.places, |i| self.imbalance(i, h));
         let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
         tree.correct_loaded(&self.nodes, &self.places, |i| bias[i], |i| along[i], |i, _, f| wrench[i] += f);
         self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.places[i].arm));
@@ -468,7 +469,7 @@ impl Rattle {
         for i in 1..self.nodes.len() {
             let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
             let parent = &self.trial[node.parent].motion;
-            let k = self.rotation.derivative(&node.inertia, &trial.s, &trial.hm);
+            let k = self.rotation_of(i).derivative(&node.inertia, &trial.s, &trial.hm);
             self.newton.tried[i] = Tried {
                 motion: trial.motion,
                 inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),
@@ -476,7 +477,7 @@ impl Rattle {
                 locked: self.bias[i].scaled(-h),
                 along: self.along[i],
                 implicit: node.force.map_or(0.0, |k| self.forces[k].implicit(h)),
-                kick: self.imbalance(i),
+                kick: self.imbalance(i, h),
             };
         }
         let (wrench, trial) = (&mut self.wrench, &self.trial);
@@ -550,7 +551,7 @@ impl Rattle {
             keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
-        self.settle_light();
+        self.project_light();
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear);
             body.pi.add(&trial.kick.angular);

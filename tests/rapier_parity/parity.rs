@@ -123,8 +123,8 @@ fn initial_accelerations_are_those_of_the_dense_equations_of_motion() {
         for (text, h) in [(IMPULSE_CONVERGED, impulse_step), (MULTIBODY_ONE_SUBSTEP, 1e-4)] {
             for (name, system) in [("moving", system.clone()), ("at rest", scenes::at_rest(&system))] {
                 let error = acceleration_error(text, &system, &system, h, constraint_of(text));
-                // measured 3.3e-9 with impulse joints, 3.9e-10 with multibody joints, 3e-14 of these at rest
-                assert!(error <= 8e-9, "{text}, {} {name}: {error:e}", system.name);
+                // measured 1.2e-8 (stiff_joint, 3.3e-9 others) with impulse joints, 3.9e-10 with multibody joints, 3e-14 of these at rest
+                assert!(error <= 2.5e-8, "{text}, {} {name}: {error:e}", system.name);
             }
         }
     }

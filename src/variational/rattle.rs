@@ -338,10 +338,10 @@ impl Rattle {
             loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
         }
         for i in 1..self.nodes.len() {
-            if self.nodes[i].light {
+            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
+            if node.light {
                 continue;
             }
-            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);

@@ -223,7 +223,7 @@ fn a_damped_and_driven_oscillator_converges_to_its_closed_form() {
 
 #[test]
 fn what_rapier_cannot_do_with_springs_is_said() {
-    let refused = |text: &str, system: &System| hold(&spec(text), system, 1e-3).err().expect("refused").to_string();
+    let refused = |text: &str, system: &System| hold(&spec(text), system, 1e-3).expect_err("refused").to_string();
     let system = scenes::named("chain");
     let mut wound = system.clone();
     wound.parts.joint_springs = vec![JointSpring { body: 0, stiffness: 1.0, damping: 0.0, rest: 5.0 }];

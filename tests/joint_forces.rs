@@ -117,10 +117,10 @@ fn a_slider_on_a_spring_oscillates_at_the_frequency_of_the_midpoint_rule() {
     let (h, amplitude, rest) = (1e-3, 2e-3, 0.7);
     let free = oscillator(Prismatic, rest + amplitude, 0.0);
     // measured 2.9e-13, 3.4e-13, 5.3e-13, 8.5e-12, 4.6e-11: the roundoff of a velocity of amplitude * x / h
-    for (x, bound) in [(1e-3, 8e-13), (0.1, 8e-13), (2.5, 1.5e-12), (1e3, 2e-11), (1e6, 1.2e-10)] {
+    for (x, bound) in [(1e-3_f64, 8e-13), (0.1, 8e-13), (2.5, 1.5e-12), (1e3, 2e-11), (1e6, 1.2e-10)] {
         let k = (x / h) * (x / h) * free.bodies[0].mass;
         let system = sprung(&free, vec![spring(0, k, 0.0, rest)]);
-        let phi = 2.0 * (0.5 * x as f64).atan();
+        let phi = 2.0 * (0.5 * x).atan();
         let found = positions(&system, h, 1000);
         let error = |turn: f64| {
             let errors = found.iter().zip(1..).map(|(p, n)| (p[0] - rest) / amplitude - (f64::from(n) * turn).cos());

@@ -114,6 +114,11 @@ impl JointForce {
         self.deflection.add(&SVector::<f64, 1>::new(self.travel.x));
     }
 
+    /// Work on the system in the step of size `h` that was tried last, J.
+    pub(super) fn work(&self, h: f64) -> f64 {
+        2.0 / h * self.impulse.dot(&self.travel)
+    }
+
     /// The impulse of the second half kick, on the child about its joint point.
     pub(super) fn second_half(&self, node: &Node, place: &Place) -> Wrench {
         along_joint(node, place, &self.impulse)

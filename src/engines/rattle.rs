@@ -1,7 +1,7 @@
 //! The variational RATTLE core as an engine.
 
 use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
-use crate::mechanics::{Part, State, System};
+use crate::mechanics::{Body, Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::{Failure, Lobatto, Method, Rattle, Rotation};
@@ -39,7 +39,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
     keys: &[Key::Choice(&ORDER), Key::Choice(&METHOD), Key::Number(&STAGES), Key::Choice(&ROTATION)],
-    parts: &[Part::Loops, Part::Mimics, Part::PointSprings],
+    parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
     build,
 };
 
@@ -48,10 +48,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     let order = spec.word(&ORDER);
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
-    let damped = system.bodies.iter().find(|b| b.joint.damping > 0.0).map(|b| b.joint.name.as_str());
-    let parts = &system.parts;
-    let bonds = !(parts.loops.is_empty() && parts.couplings.is_empty() && parts.point_springs.is_empty());
-    fits(spec, composition.stages() > 1, bonds, damped).map_err(unsupported)?;
+    fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
     Ok(Box::new(RattleEngine {
         core,
@@ -64,8 +61,8 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     }))
 }
 
-/// Whether the settings go together, and with a damped joint.
-fn fits(spec: &Spec, composed: bool, bonds: bool, damped: Option<&str>) -> Result<(), String> {
+/// Whether the settings go together, and with what the system has.
+fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
     let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
     let lobatto = method == "lobatto";
     if !lobatto && spec.given(STAGES.name).is_some() {
@@ -80,20 +77,35 @@ fn fits(spec: &Spec, composed: bool, bonds: bool, damped: Option<&str>) -> Resul
     if composed && method.starts_with("euler") {
         return Err(format!("order={order} with method={method}: only a time-reversible map can be composed to it"));
     }
-    if bonds && !matches!(method, "rattle" | "midpoint") {
+    let plain = !matches!(method, "rattle" | "midpoint");
+    if let Some(part) = system.parts.kinds().next().filter(|_| plain) {
         return Err(format!(
-            "loops, mimic joints and springs between points with method={method}, which knows the joints of a tree only; use \
-             method=rattle"
+            "{} with method={method}, which knows the joints of a tree and their dampers only; use method=rattle",
+            part.name()
         ));
     }
-    match damped {
-        Some(joint) if composed => Err(format!(
-            "damping (joint '{joint}') at order {order}: a composition of order above 2 has backward substeps, in which a \
-             damper would give energy; use order=2"
+    let pointlike = |body: &&Body| body.mass == 0.0 || body.inertia.min() == 0.0;
+    if let Some(body) = system.bodies.iter().find(pointlike).filter(|_| plain) {
+        return Err(format!(
+            "link '{}', which moves without inertia, with method={method}; use method=rattle",
+            body.name
+        ));
+    }
+    let rows = system.parts.kinds().any(|part| matches!(part, Part::Loops | Part::Mimics | Part::PointSprings));
+    if let Some(body) = system.bodies.iter().find(|body| rows && body.inertia.max() == 0.0) {
+        return Err(format!(
+            "link '{}', which moves without moments of inertia, beside loops, mimic joints or springs between points; give \
+             it an <inertia>",
+            body.name
+        ));
+    }
+    match system.first_damper() {
+        Some(damper) if composed => Err(format!(
+            "damping ({damper}) at order {order}: a composition of order above 2 has backward substeps, in which a damper \
+             would give energy; use order=2"
         )),
-        Some(joint) if lobatto => Err(format!(
-            "damping (joint '{joint}') with method=lobatto: its stages hold forces that have a potential only; use \
-             method=rattle"
+        Some(damper) if lobatto => Err(format!(
+            "damping ({damper}) with method=lobatto: its stages hold forces that have a potential only; use method=rattle"
         )),
         _ => Ok(()),
     }

@@ -9,6 +9,7 @@ pub mod clock;
 pub mod comparison;
 pub mod growth;
 pub mod horizon;
+mod quadrature;
 pub mod series;
 pub mod structure;
 pub mod trace;

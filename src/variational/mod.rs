@@ -9,6 +9,7 @@ mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+mod forces;
 mod free_body;
 mod joints;
 pub mod lobatto;

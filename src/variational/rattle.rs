@@ -18,18 +18,21 @@
 //! the difference of positions, and the iteration ends with a correction below the roundoff of the motions: small steps do not
 //! cancel, and nothing is left out that would add up.
 //!
-//! Viscous joint damping enters by the discrete Lagrange-d'Alembert principle (Marsden and West, section 3.2): with the
-//! change `dtheta` of a joint's coordinates over the step, each half kick carries the joint impulse `-c dtheta / 2` along
-//! the joint's motion subspace, implicitly in (3).
+//! Springs and drives in joints are part of the discrete Lagrangian, and dampers enter by the discrete Lagrange-d'Alembert
+//! principle (Marsden and West, section 3.2): each half kick carries an impulse along the joint's motion subspace, which
+//! is solved for with (3); see `forces`.
 //!
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
+mod light;
+
+use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::bonds::Trying;
 use super::compensated::{Compensated, Compensated3};
-use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
+use super::forces::{JointForce, joint_forces};
+use super::joints::{Motion, Moved, Node, Place, Pose, coordinates_of, keep_locked, mismatch, nodes};
 use super::loops::{Loops, StepEnergy, Worst};
 use super::method::Method;
 use super::newton::{Newton, Tried, turning_inertia};
@@ -117,14 +120,14 @@ pub struct Rattle {
     tree: Tree,
     /// The part of the joints' mismatch there that the next step takes away.
     gap0: Vec<Twist>,
-    /// Where joints are damped: the factorisation with the dampers' implicit part, which (3) needs and (5) must not have.
-    damped: Option<Tree>,
+    /// What acts along the joints' coordinates.
+    forces: Vec<JointForce>,
+    /// Where that depends on the motion: the factorisation with its implicit part, which (3) needs and (5) must not have.
+    implicit: Option<Tree>,
     trial: Vec<Trial>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     bias: Vec<Twist>,
-    /// Change of the coordinates of each damped joint over the step.
-    travel: Vec<Vector3<f64>>,
-    /// By how much `S . wrench` of a damped joint differs from `-c travel / 2`.
+    /// By how much `S . wrench` of a joint exceeds the impulse of its own forces.
     along: Vec<Vector3<f64>>,
     /// Impulse on the child at its joint point over the first half kick.
     wrench: Vec<Wrench>,
@@ -132,10 +135,12 @@ pub struct Rattle {
     twist: Vec<Twist>,
     predictor: Predictor,
     newton: Newton,
+    /// Nodes with no or very little inertia.
+    light: Vec<usize>,
     /// Loops, couplings and springs between points, where there are any.
     loops: Option<Box<Loops>>,
-    /// s since the start, for the predictor.
-    time: f64,
+    /// Time since the start, s.
+    time: Compensated<1>,
     /// A length of the system, which weighs angles against positions, m.
     length: f64,
     /// The residual at which the constraint iteration may stop, m; 0 for roundoff.
@@ -158,7 +163,8 @@ impl Rattle {
     /// # Errors
     /// [`Failure::Singular`] where a joint can move without moving any mass.
     pub fn from_state(system: &System, state: &State) -> Result<Rattle, Failure> {
-        let nodes = nodes(system);
+        let mut nodes = nodes(system);
+        let forces = joint_forces(system, state, &mut nodes);
         let n = nodes.len();
         let rest = Trial {
             kick: Spatial::ZERO,
@@ -169,31 +175,36 @@ impl Rattle {
         };
         let (bodies, pose) = bodies(system, state);
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let length = if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 };
+        let rows = &system.parts;
+        let rows = !(rows.loops.is_empty() && rows.couplings.is_empty() && rows.point_springs.is_empty());
+        light::mark(&mut nodes, length, !rows);
         let tree = Tree::new(&nodes);
-        let damped = nodes.iter().any(|node| node.damping > 0.0).then(|| tree.clone());
+        let implicit = forces.iter().any(JointForce::is_implicit).then(|| tree.clone());
         let mut rattle = Rattle {
             gravity: system.gravity,
             method: Method::Rattle,
-            rules: vec![Rotation::MoserVeselov; n],
+            rules: rules(&nodes, Rotation::MoserVeselov),
             automatic: false,
             switched: Vec::with_capacity(n),
             bodies,
             places: vec![Place::GROUND; n],
-            loops: Loops::new(system, &nodes, &tree, damped.is_some()),
+            light: (1..n).filter(|&i| nodes[i].light).collect(),
+            loops: Loops::new(system, &nodes, &tree, implicit.is_some()),
             tree,
-            damped,
+            implicit,
+            forces,
             pose,
             gap0: vec![Spatial::ZERO; n],
             trial: vec![rest; n],
             bias: vec![Spatial::ZERO; n],
-            travel: vec![Vector3::zeros(); n],
             along: vec![Vector3::zeros(); n],
             wrench: vec![Spatial::ZERO; n],
             twist: vec![Spatial::ZERO; n],
             predictor: Predictor::new(n),
             newton: Newton::new(n),
-            time: 0.0,
-            length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
+            time: Compensated::new(SVector::zeros()),
+            length,
             tolerance: 0.0,
             rounds: 0,
             nodes,
@@ -213,14 +224,14 @@ impl Rattle {
 
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
     pub fn with_rotation(self, rotation: Rotation) -> Rattle {
-        Rattle { rules: vec![rotation; self.nodes.len()], automatic: false, ..self }
+        Rattle { rules: rules(&self.nodes, rotation), automatic: false, ..self }
     }
 
     /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
     /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
     /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
     pub fn with_automatic_rotation(self) -> Rattle {
-        Rattle { rules: vec![Rotation::MoserVeselov; self.nodes.len()], automatic: true, ..self }
+        Rattle { rules: rules(&self.nodes, Rotation::MoserVeselov), automatic: true, ..self }
     }
 
     /// The bodies that [`Rattle::with_automatic_rotation`] has moved to the splitting, by index, and when (s).
@@ -239,22 +250,22 @@ impl Rattle {
     /// # Errors
     /// See [`Failure`].
     pub fn step(&mut self, h: f64) -> Result<(), Failure> {
-        if let Some(damped) = &mut self.damped {
-            let (nodes, pose) = (&self.nodes, &self.pose);
-            damped
-                .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
-                .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
+        if !self.forces.is_empty() {
+            self.begin_forces(h)?;
         }
         if let Some(loops) = &mut self.loops {
-            let tree = self.damped.as_ref().unwrap_or(&self.tree);
+            let tree = self.implicit.as_ref().unwrap_or(&self.tree);
             loops.prepare(h, tree, &self.nodes, &self.places, &mobility(&self.nodes, &self.pose));
         }
         self.solve_or_switch(h)?;
-        self.predictor.record(self.time, h, &self.pose, &self.wrench);
+        let time = self.time.value.x;
+        self.predictor.record(time, h, &self.pose, &self.wrench);
+        self.forces.iter_mut().for_each(JointForce::end);
         if let Some(loops) = &mut self.loops {
-            loops.record(self.time, h);
+            loops.record(time, h);
             loops.accept(RETURN);
         }
+        self.kick_light(h);
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
@@ -265,8 +276,18 @@ impl Rattle {
         }
         self.factorise()?;
         self.project_momenta(h);
-        self.time += h;
+        self.time.add(&SVector::<f64, 1>::new(h));
         Ok(())
+    }
+
+    /// Prepares what acts along the joints for a step of size `h`.
+    fn begin_forces(&mut self, h: f64) -> Result<(), Failure> {
+        self.forces.iter_mut().for_each(|force| force.begin(self.time.value.x, h));
+        let Some(tree) = &mut self.implicit else { return Ok(()) };
+        let (nodes, pose, forces) = (&self.nodes, &self.pose, &self.forces);
+        let implicit = |i: usize| nodes[i].force.map_or(0.0, |k| forces[k].implicit(h));
+        tree.factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), implicit)
+            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
     /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
@@ -283,9 +304,9 @@ impl Rattle {
                 Failure::Leap { .. } | Failure::Singular { .. } | Failure::NotFinite { .. } => None,
             };
             match body {
-                Some(body) if self.rules[body + 1] != Rotation::Splitting => {
+                Some(body) if self.rules[body + 1] == Rotation::MoserVeselov => {
                     self.rules[body + 1] = Rotation::Splitting;
-                    self.switched.push((body, self.time));
+                    self.switched.push((body, self.time.value.x));
                 }
                 _ => {
                     for (body, _) in self.switched.drain(before..) {
@@ -301,7 +322,7 @@ impl Rattle {
     /// splitting.
     fn fastest_turning(&self) -> Option<usize> {
         let turn = |i: &usize| self.trial[*i].s.norm();
-        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] != Rotation::Splitting);
+        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] == Rotation::MoserVeselov);
         candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
     }
 
@@ -311,14 +332,17 @@ impl Rattle {
         let mut degree = self.predictor.degree();
         loop {
             match degree {
-                Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose, &mut self.wrench),
+                Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
                 None => self.wrench.fill(Spatial::ZERO),
             }
             if let Some(loops) = &mut self.loops {
-                loops.predict(self.time, h, degree);
+                loops.predict(self.time.value.x, h, degree);
             }
-            for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].damping == 0.0) {
-                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            let forced = !self.forces.is_empty();
+            for (i, node) in self.nodes.iter().enumerate().skip(1) {
+                if !(forced && node.force.is_some()) {
+                    keep_locked(node, &self.places[i], &mut self.wrench[i]);
+                }
             }
             match (self.iterate(h), degree) {
                 (Err(_), Some(used)) => degree = used.checked_sub(1),
@@ -330,6 +354,7 @@ impl Rattle {
     /// The chord iteration, down to roundoff.
     fn iterate(&mut self, h: f64) -> Result<(), Failure> {
         let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
+        self.start_light(h);
         loop {
             self.kick_and_drift(h)?;
             let (mut place, mut residual, mut roundoff) = self.measure_mismatch(h);
@@ -389,6 +414,9 @@ impl Rattle {
         }
         for i in 1..self.nodes.len() {
             let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
+            if node.light {
+                continue;
+            }
             trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
             let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
             let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
@@ -419,18 +447,23 @@ impl Rattle {
             let parent = &self.trial[node.parent].motion;
             let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
             let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let mut size = gap.linear.norm() + self.length * gap.angular.norm();
+            let size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
-            if node.damping > 0.0 {
-                self.travel[i] = moved.travel(node, place, parent);
-                self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
-                size += h.abs() * self.along[i].norm() * self.compliance(i);
-            }
             // What is not a number stays the worst.
             if size > worst || !(size + trial.roundoff).is_finite() {
                 (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
             }
             roundoff = trial.roundoff.max(roundoff);
+        }
+        if !self.forces.is_empty() {
+            self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);
+        }
+        if !self.light.is_empty() {
+            let (body, size, noise) = self.measure_imbalance(h);
+            roundoff = roundoff.max(noise / f64::EPSILON);
+            if !(size <= worst) {
+                (worst, joint) = (size, body);
+            }
         }
         (Open::Joint(joint), worst, f64::EPSILON * roundoff)
     }
@@ -461,18 +494,40 @@ impl Rattle {
             sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
             sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
         }
+        sum.work += self.forces.iter().map(|force| force.work(h)).sum::<f64>();
         sum
+    }
+
+    /// The same for what acts along the joints: by how far the joint would move if the impulse were right.
+    fn measure_excess(&mut self, h: f64, (joint, worst): (&mut usize, &mut f64), roundoff: &mut f64) {
+        for (i, k) in (1..self.nodes.len()).filter_map(|i| Some((i, self.nodes[i].force?))) {
+            let (node, place, parent) = (&self.nodes[i], &self.places[i], self.nodes[i].parent);
+            let (motion, carried) = (&self.trial[i].motion, &self.trial[parent].motion);
+            let travel = Moved::new(place, &self.places[parent].arm, motion, carried).travel(node, place, carried);
+            let impulse = coordinates_of(node, place, &self.wrench[i]);
+            self.along[i] = self.forces[k].excess(travel, impulse);
+            let effect = h.abs() * self.compliance(i);
+            let size = effect * self.along[i].norm();
+            if size > *worst || !size.is_finite() {
+                (*worst, *joint) = (size, i - 1);
+            }
+            *roundoff = roundoff.max(effect * impulse.norm());
+        }
     }
 
     /// (3): one round of the chord iteration.
     fn correct(&mut self, h: f64) {
         let Some(mut loops) = self.loops.take() else {
-            self.correct_tree(|_, _| ());
+            if self.light.is_empty() {
+                self.correct_tree(|_, _| ());
+            } else {
+                self.correct_loaded(h);
+            }
             return;
         };
         let twist = loops.first_pass();
         self.correct_tree(|i, v| twist[i] = *v);
-        let (tree, wrench) = (self.damped.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
+        let (tree, wrench) = (self.implicit.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
         loops.correct(h, tree, &self.nodes, &self.places, |i, f| wrench[i] += f);
         self.loops = Some(loops);
     }
@@ -484,10 +539,22 @@ impl Rattle {
             wrench[i] += f;
             twist(i, v);
         };
-        match &mut self.damped {
-            None => self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add),
-            Some(damped) => damped.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add),
+        let tree = self.implicit.as_mut().unwrap_or(&mut self.tree);
+        if self.forces.is_empty() {
+            tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add);
+        } else {
+            tree.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add);
         }
+    }
+
+    /// The same where light bodies have impulses to balance.
+    fn correct_loaded(&mut self, h: f64) {
+        let mut tree = std::mem::replace(self.implicit.as_mut().unwrap_or(&mut self.tree), Tree::EMPTY);
+        tree.load(&self.nodes, &self.places, |i| self.imbalance(i, h));
+        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
+        tree.correct_loaded(&self.nodes, &self.places, |i| bias[i], |i| along[i], |i, _, f| wrench[i] += f);
+        self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.places[i].arm));
+        *self.implicit.as_mut().unwrap_or(&mut self.tree) = tree;
     }
 
     /// (3): one round of Newton's method with the exact linearisation.
@@ -502,7 +569,8 @@ impl Rattle {
                 turn: Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent).turn,
                 locked: self.bias[i].scaled(-h),
                 along: self.along[i],
-                implicit: 0.5 * h * node.damping,
+                implicit: node.force.map_or(0.0, |k| self.forces[k].implicit(h)),
+                kick: self.imbalance(i, h),
             };
         }
         let (wrench, trial) = (&mut self.wrench, &self.trial);
@@ -512,7 +580,12 @@ impl Rattle {
             let at = Trying { nodes, pose: &self.pose, places, motion: &|i| trial[i].motion };
             solved = loops.correct_exactly(h, newton, &at, |i, f| wrench[i] += f);
         }
-        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
+        self.correct_light(h, |rattle, i| {
+            let (arm, motion) = (&rattle.places[i].arm, &rattle.trial[i].motion);
+            rattle.newton.motion(i).twist_at(&-(arm + motion.turned(arm)))
+        });
+        Ok(())
     }
 
     /// Places the joints at the start configuration and factorises there.
@@ -542,9 +615,9 @@ impl Rattle {
         for i in 1..nodes.len() {
             self.trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.gravity, Vector3::zeros());
         }
-        if self.damped.is_some() && h > 0.0 {
-            for i in (1..nodes.len()).filter(|&i| nodes[i].damping > 0.0) {
-                let impulse = along_joint(&nodes[i], &self.places[i], &(-0.5 * nodes[i].damping * self.travel[i]));
+        if !self.forces.is_empty() {
+            for (i, k) in (1..nodes.len()).filter_map(|i| Some((i, nodes[i].force?))) {
+                let impulse = self.forces[k].second_half(&nodes[i], &self.places[i]);
                 add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
             }
         }
@@ -575,16 +648,17 @@ impl Rattle {
             }
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
         }
+        self.project_light();
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear);
             body.pi.add(&trial.kick.angular);
         }
     }
 
-    /// By how much a unit impulse along a damped joint changes its velocity, times the system's length for an angle.
+    /// By how much a unit impulse along a joint changes its velocity, times the system's length for an angle.
     fn compliance(&self, i: usize) -> f64 {
         let weight = if self.nodes[i].kind == JointKind::Prismatic { 1.0 } else { self.length };
-        self.damped.as_ref().map_or(0.0, |tree| weight * tree.compliance(i))
+        weight * self.implicit.as_ref().unwrap_or(&self.tree).compliance(i)
     }
 
     /// Writes the present state: poses, and the twists that fit the joints.
@@ -626,6 +700,11 @@ pub(super) fn bodies(system: &System, state: &State) -> (Vec<Body>, Vec<Pose>) {
     });
     let poses = state.bodies.iter().map(|b| Pose::new(b.position, b.attitude.coords));
     (std::iter::once(ground).chain(moving).collect(), std::iter::once(Pose::GROUND).chain(poses).collect())
+}
+
+/// The rotation rule of each node: light bodies always turn by [`Rotation::Cayley`].
+fn rules(nodes: &[Node], rotation: Rotation) -> Vec<Rotation> {
+    nodes.iter().map(|node| if node.light { Rotation::Cayley } else { rotation }).collect()
 }
 
 /// Where a step is farthest from closed: a joint, by its body, or a bond.

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use super::CliError;
 use crate::model::scene_file::SceneFile;
 use crate::report::Report;
+use crate::report::stability::StabilityReport;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]
@@ -21,12 +22,15 @@ enum File {
     Scene,
     /// A report.json.
     Report,
+    /// A stability.json.
+    Stability,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
     let schema = match args.file {
         File::Scene => schemars::schema_for!(SceneFile),
         File::Report => schemars::schema_for!(Report),
+        File::Stability => schemars::schema_for!(StabilityReport),
     };
     let text = serde_json::to_string_pretty(&schema)?;
     writeln!(std::io::stdout().lock(), "{text}")?;

@@ -9,6 +9,7 @@ pub mod comparison;
 pub mod growth;
 pub mod horizon;
 pub mod series;
+pub mod stability;
 pub mod trace;
 mod work;
 

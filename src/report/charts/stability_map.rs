@@ -3,9 +3,8 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::number::{plain, power_of_ten};
+use super::super::number::{duration, plain, power_of_ten};
 use super::super::stability::record::{CellRecord, FamilyRecord, ScanRecord};
-use super::super::stability::step_words;
 use super::canvas::{self, Area, ChartError};
 use super::legend;
 use super::style::{self, BLACK, BLUE, GREY, GRID, INK, ORANGE, PURPLE, VERMILLION, WIDTH, at, px};
@@ -68,13 +67,15 @@ pub fn draw(family: &FamilyRecord, engines: &[String]) -> Result<Vec<u8>, ChartE
         }
         let mut top = ABOVE;
         for scan in &family.scans {
-            let title = format!("{}; across: {}", scan.title, scan.parameter);
+            let upwards = if scan.clock.is_empty() { String::new() } else { format!("; step in {}", scan.clock) };
+            let title = format!("{}; across: {}{upwards}", scan.title, scan.parameter);
             area.draw(&Text::new(title, (at(LEFT), at(top + 6)), style::bold(style::NOTE, INK)))?;
             for (row, step) in scan.steps.iter().enumerate() {
                 let middle = top + TITLE_HEIGHT + row as u32 * CELL_HEIGHT + CELL_HEIGHT / 2;
                 let place = (at(LEFT + STEPS - 8), at(middle));
                 let right = style::font(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
-                area.draw(&Text::new(step_words(*step, &scan.clock), place, right))?;
+                let words = if scan.clock.is_empty() { duration(*step) } else { plain(*step, 3) };
+                area.draw(&Text::new(words, place, right))?;
             }
             for (column, engine) in engines.iter().enumerate() {
                 panel(area, scan, engine, (left(column), top + TITLE_HEIGHT), width)?;

@@ -13,7 +13,6 @@ use super::charts::stability_map;
 use super::files::{WriteError, prepare, write_whole};
 use super::page::Picture;
 
-pub use borders::step_words;
 pub use record::StabilityReport;
 
 /// Writes `stability.json`, the maps and the page, and returns the page's path.

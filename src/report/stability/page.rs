@@ -86,7 +86,7 @@ fn rules() -> Markup {
             strong { "Joints apart" } ": by more than " (BROKEN) " of a link, or rad. "
             strong { "Accurate" } ": errors of pose, energy and joints all below " (ACCURATE) " of their scale, where the truth is \
             known: a fine run that agrees with one at half its step. "
-            strong { "Bounded" } ": the energy error does not grow, or stays below " (written(MATERIAL)) " of its scale. "
+            strong { "Bounded" } ": the energy error does not grow, comes back, or stays below " (written(MATERIAL)) " of its scale. "
             strong { "Drifting" } ", " strong { "gaining" } ", " strong { "dissipating" } ": it grows like a random walk, upwards, \
             downwards."
         }

@@ -13,7 +13,7 @@ const SPIN: Scan = Scan {
     quick_values: &[10.0, 300.0, 3000.0],
     full_steps: &[0.01, 1.0 / 240.0, 0.001, 1e-4, 1e-5],
     length: Length::Time(1.0),
-    truth: Truth::Fine { engine: "rattle:order=8", step: |spin| (0.1 / spin).min(1e-3) },
+    truth: Truth::Fine { engine: "rattle:order=8", step: |spin| (0.3 / spin).min(1e-3) },
     ..SCAN
 };
 

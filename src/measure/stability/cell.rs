@@ -54,11 +54,21 @@ pub struct Finding {
     pub truth_until: Option<f64>,
     /// Largest turn of a body in a step, rad.
     pub turn_per_step: Option<f64>,
+    /// Why the figures may mislead although the run went through.
+    pub warning: Option<String>,
 }
+
+/// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for.
+pub const FAR_TURN: f64 = 0.5;
 
 impl Case {
     pub fn new(family: &'static Family, scan: &'static Scan, value: f64) -> Case {
         Case { family, scan, value, system: System::compile(&(scan.scene)(value)) }
+    }
+
+    /// What finding the truth will cost, nominal s.
+    pub fn truth_cost(&self) -> f64 {
+        self.system.as_ref().map_or(0.0, |system| truth::cost(self.scan, self.value, system.bodies.len()))
     }
 
     /// `None` where it was interrupted.
@@ -119,6 +129,7 @@ impl Cell<'_> {
             pose_error,
             truth_until: pose_error.map(|_| truth.part() * horizon.end),
             turn_per_step: measured.then_some(watched.fastest_turn * horizon.step),
+            warning: far_turn(watched.fastest_turn * horizon.step),
             ..Finding::without_run(class, reason(&trace.outcome), horizon.step)
         })
     }
@@ -137,8 +148,15 @@ impl Finding {
             pose_error: None,
             truth_until: None,
             turn_per_step: None,
+            warning: None,
         }
     }
+}
+
+fn far_turn(turn: f64) -> Option<String> {
+    (turn > FAR_TURN).then(|| {
+        format!("a body turns by {turn:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a smaller step")
+    })
 }
 
 fn stretches(trace: &Trace) -> Vec<Stretch> {

@@ -133,3 +133,50 @@ fn tasks<'a>(groups: &[&'a [Cell<'a>]]) -> Vec<Task<'a>> {
     }
     tasks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::stability::FAMILIES;
+
+    const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
+
+    fn suite(quick: bool) -> Suite {
+        let engines = ENGINES.iter().map(|text| Spec::parse(text).expect("a spec")).collect();
+        Suite::new(FAMILIES.to_vec(), engines, quick)
+    }
+
+    /// Nominal seconds on one core, by family.
+    fn costs(suite: &Suite) -> Vec<(&'static str, f64)> {
+        let cells = suite.cells(Shard::WHOLE);
+        let of = |name: &str| {
+            let cells: f64 = cells.iter().filter(|c| c.case.family.name == name).map(Cell::cost).sum();
+            let truths: f64 = suite.cases.iter().filter(|c| c.family.name == name).map(Case::truth_cost).sum();
+            cells + truths
+        };
+        suite.families.iter().map(|family| (family.name, of(family.name))).collect()
+    }
+
+    #[test]
+    fn a_suite_fits_its_budget_of_nominal_time() {
+        let total = |costs: &[(&str, f64)]| costs.iter().map(|(_, cost)| cost).sum::<f64>();
+        let (whole, quick) = (costs(&suite(false)), costs(&suite(true)));
+        // 30 and 2 minutes on two cores, with a third to spare.
+        assert!(total(&whole) < 2400.0, "{whole:?}");
+        assert!(total(&quick) < 160.0, "{quick:?}");
+    }
+
+    #[test]
+    fn shards_are_the_whole_and_share_no_cell() {
+        let suite = suite(true);
+        let name = |cell: &Cell| format!("{} {} {} {}", cell.case.scan.id(cell.case.family), cell.case.value, cell.engine, cell.step);
+        let mut parts: Vec<String> =
+            (1..=5).flat_map(|index| suite.cells(Shard { index, of: 5 }).iter().map(name).collect::<Vec<_>>()).collect();
+        let mut whole: Vec<String> = suite.cells(Shard::WHOLE).iter().map(name).collect();
+        parts.sort();
+        whole.sort();
+        assert_eq!(parts, whole);
+        whole.dedup();
+        assert_eq!(parts.len(), whole.len());
+    }
+}

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
 
+use super::budget;
 use super::scan::{Scan, Truth};
 use super::watch::{SAMPLES, Scales, Watched, difference};
 use crate::engines::{self, Spec};
@@ -56,17 +57,26 @@ impl Known {
 /// none to be had.
 pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) -> Option<Known> {
     let scales = Scales::of(system);
-    let Truth::Fine { engine, step } = scan.truth else { return Some(Known::nothing()) };
-    let Ok(spec) = Spec::parse(engine) else { return Some(Known::nothing()) };
-    let duration = scan.duration(value, 1.0);
-    let part = duration / SAMPLES as f64;
-    let per_part = (part / (step(value) * (scan.clock)(value))).ceil().max(1.0) as u64;
-    let run = |per_part: u64| fine_run(&spec, system, duration, per_part * SAMPLES, interrupted);
-    let (coarse, fine) = (run(per_part)?, run(2 * per_part)?);
+    let Some((spec, steps)) = plan(scan, value) else { return Some(Known::nothing()) };
+    let run = |steps: u64| fine_run(&spec, system, scan.duration(value, 1.0), steps, interrupted);
+    let (coarse, fine) = (run(steps)?, run(2 * steps)?);
     let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| difference(&a.1, &b.1, &scales)).collect();
     let known = differences.iter().take_while(|d| **d <= AGREE).count();
     let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
     Some(Known { states: fine.into_iter().take(known).map(|(_, state)| state).collect(), scales, disagreement })
+}
+
+/// The engine of the truth of a case, and the number of steps of its coarser run.
+fn plan(scan: &Scan, value: f64) -> Option<(Spec, u64)> {
+    let Truth::Fine { engine, step } = scan.truth else { return None };
+    let part = scan.duration(value, 1.0) / SAMPLES as f64;
+    let per_part = (part / (step(value) * (scan.clock)(value)) * (1.0 - 1e-9)).ceil().max(1.0) as u64;
+    Some((Spec::parse(engine).ok()?, per_part * SAMPLES))
+}
+
+/// What the truth of a case will cost, nominal s.
+pub fn cost(scan: &Scan, value: f64, bodies: usize) -> f64 {
+    plan(scan, value).map_or(0.0, |(spec, steps)| budget::seconds(&spec, bodies, 3 * steps))
 }
 
 /// The samples of a run, as far as it came.

@@ -95,6 +95,13 @@ impl<'a> Watched<'a> {
             keep_larger(&mut self.joint_gap, gap.rotation.angle());
             keep_larger(&mut self.fastest_turn, state.angular_velocity.norm());
         }
+        for closure in &self.system.parts.loops {
+            let locked = (0..6).filter(|&i| closure.locked()[i]);
+            for (component, residual) in locked.zip(closure.residual(&self.state).0) {
+                let scale = if component < 3 { self.scales.link } else { 1.0 };
+                keep_larger(&mut self.joint_gap, residual.abs() / scale);
+            }
+        }
     }
 }
 

@@ -94,6 +94,7 @@ mod tests {
                     pose_error: None,
                     truth_until_s: None,
                     turn_per_step: None,
+                    warning: None,
                 });
             }
         }

@@ -94,6 +94,9 @@ pub struct CellRecord {
     /// Largest turn of a body in a step, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn_per_step: Option<f64>,
+    /// Why the figures may mislead although the run went through.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
 }
 
 /// A cell with the scan that it belongs to, `family/scan`: what is on disk while a suite runs.
@@ -132,6 +135,7 @@ impl StoredCell {
                 pose_error: digits(finding.pose_error),
                 truth_until_s: digits(finding.truth_until),
                 turn_per_step: digits(finding.turn_per_step),
+                warning: finding.warning,
             },
         }
     }

@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Family, Length, ROD_LENGTH, ROD_RADIUS, SCAN, Scan, Truth};
+use super::{Family, Length, ROD_LENGTH, ROD_RADIUS, SCAN, Scan, Truth, closure, start};
 use crate::model::assemble::{Assembly, Mount};
-use crate::model::scene::JointInitial;
+use crate::model::scene::LoopKind;
 use crate::model::{Inertial, Scene};
 
 pub(super) static FAMILY: Family = Family {
@@ -31,7 +31,7 @@ pub(super) static FAMILY: Family = Family {
             parameter: "largest over smallest moment of inertia",
             full_values: &[1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
             quick_values: &[1e1, 1e6],
-            length: Length::Time(1.0),
+            length: Length::Time(4.0),
             scene: anisotropy,
             ..SCAN
         },
@@ -54,6 +54,25 @@ pub(super) static FAMILY: Family = Family {
             length: Length::Time(1.0),
             truth: Truth::Fine { engine: "rattle:order=8", step: |_| 1e-3 },
             scene: offset,
+            ..SCAN
+        },
+        Scan {
+            name: "four_bar",
+            title: "a parallelogram that turns through its flat position",
+            parameter: "length that the coupler is longer than the base by, m",
+            full_values: &[0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2],
+            quick_values: &[0.0, 1e-4],
+            scene: four_bar,
+            ..SCAN
+        },
+        Scan {
+            name: "ladder",
+            title: "parallelograms in a row, each loop with three redundant constraints",
+            parameter: "loops",
+            full_values: &[1.0, 2.0, 5.0, 10.0],
+            quick_values: &[1.0, 5.0],
+            length: Length::Time(1.0),
+            scene: ladder,
             ..SCAN
         },
     ],
@@ -79,7 +98,7 @@ fn anisotropy(ratio: f64) -> Scene {
     let mut assembly = Assembly::new("anisotropy");
     assembly.add(0, Mount::ball(Vector3::zeros()), Some(rod));
     let mut scene = assembly.scene();
-    scene.initial[0] = JointInitial { position: vec![0.0; 3], velocity: vec![10.0, 0.0, 1.0] };
+    scene.initial[0] = start(&[0.0; 3], &[10.0, 0.0, 1.0]);
     scene
 }
 
@@ -93,9 +112,9 @@ fn gimbal(miss: f64) -> Scene {
     let body = Inertial { com: Vector3::new(0.1, 0.0, 0.0), ..Inertial::block(Vector3::new(0.3, 0.2, 0.1), 1.0) };
     assembly.add(middle, Mount::hinge(Vector3::x_axis(), Vector3::zeros()), Some(body));
     let mut scene = assembly.scene();
-    let start = |position, velocity| JointInitial { position: vec![position], velocity: vec![velocity] };
     // Rolled by the miss, so that the outer hinge must turn as fast as the lock is near.
-    scene.initial = vec![start(0.0, miss.sqrt()), start(FRAC_PI_2 - 1.0, 2.0), start(miss, 0.0)];
+    scene.initial =
+        vec![start(&[0.0], &[miss.sqrt()]), start(&[FRAC_PI_2 - 1.0], &[2.0]), start(&[miss], &[0.0])];
     scene
 }
 
@@ -109,5 +128,44 @@ fn offset(offset: f64) -> Scene {
     assembly.add(arm, rail, Some(block));
     let mut scene = assembly.scene();
     scene.initial[0].velocity = vec![2.0];
+    scene
+}
+
+/// Two cranks of 0.2 m on the ground, 0.5 m apart, and a coupler of 0.5 m and a little more between their tips. All bars lie
+/// along x when the cranks point along it; the crank starts 1 rad above it, fast enough to go round.
+fn four_bar(longer: f64) -> Scene {
+    let (crank, base) = (0.2, 0.5);
+    let mut scene = parallelograms(1, crank, base, longer, -1.0);
+    scene.initial[0] = start(&[-1.0], &[15.0]);
+    scene
+}
+
+/// Cranks of 0.3 m on the ground, 0.4 m apart, couplers between the tips of neighbours, from 0.5 rad below the horizontal.
+fn ladder(loops: f64) -> Scene {
+    let mut scene = parallelograms(loops as usize, 0.3, 0.4, 0.0, 0.5);
+    scene.initial[0] = start(&[0.5], &[0.0]);
+    scene
+}
+
+/// `loops + 1` cranks at an angle with `loops` couplers; joints in the order crank, coupler, crank, coupler, ..., crank.
+fn parallelograms(loops: usize, crank: f64, base: f64, longer: f64, angle: f64) -> Scene {
+    let mut assembly = Assembly::new("parallelograms");
+    let hinge = |x| Mount::hinge(Vector3::y_axis(), Vector3::new(x, 0.0, 0.0));
+    let bar = |length: f64| Some(Inertial::rod(length, 0.01, length));
+    let mut cranks = vec![assembly.add(0, hinge(0.0), bar(crank))];
+    let mut couplers = Vec::new();
+    for i in 0..loops {
+        couplers.push(assembly.add(cranks[i], hinge(crank), bar(base + longer)));
+        cranks.push(assembly.add(0, hinge((i + 1) as f64 * base), bar(crank)));
+    }
+    let mut scene = assembly.scene();
+    for (coupler, crank_after) in couplers.into_iter().zip(cranks.into_iter().skip(1)) {
+        let tip = (Some(coupler), Vector3::new(base + longer, 0.0, 0.0));
+        scene.loops.push(closure(LoopKind::Revolute, tip, (Some(crank_after), Vector3::new(crank, 0.0, 0.0))));
+    }
+    // Near the parallelogram; what is not given is solved for.
+    for (i, initial) in scene.initial.iter_mut().enumerate() {
+        initial.position = vec![if i > 0 && i % 2 == 1 { -angle } else { angle }];
+    }
     scene
 }

@@ -13,7 +13,7 @@ const TIP: Scan = Scan {
     parameter: "mass of the last rod over that of the others",
     full_values: RATIOS,
     quick_values: QUICK_RATIOS,
-    length: Length::Time(1.0),
+    length: Length::Time(3.0),
     truth: Truth::Fine { engine: "rattle:order=8", step: |ratio| if ratio > 10.0 { 1e-4 } else { 1e-3 } },
     ..SCAN
 };
@@ -29,7 +29,7 @@ pub(super) static FAMILY: Family = Family {
             name: "tip_of_20",
             title: "twenty rods, the last light or heavy",
             scene: |r| tip(20, r),
-            truth: Truth::Fine { engine: "rattle:order=4", step: |ratio| if ratio > 10.0 { 2e-4 } else { 1e-3 } },
+            truth: Truth::Fine { engine: "rattle:order=4", step: |ratio| if ratio > 10.0 { 5e-4 } else { 1e-3 } },
             ..TIP
         },
         Scan {

@@ -8,10 +8,11 @@ mod start;
 mod step;
 mod stiffness;
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::scan::{Family, Length, Scan, Truth, seconds};
 use crate::model::assemble::{Assembly, Mount};
+use crate::model::scene::{JointInitial, Loop, LoopKind, Place};
 use crate::model::{Inertial, Scene};
 
 /// All families, in the order of reports. A new one is one file and one line here.
@@ -67,6 +68,26 @@ fn chain(n: usize, mass: impl Fn(usize) -> f64, bend: f64) -> Scene {
         initial.position = vec![bend];
     }
     scene
+}
+
+/// An initial state that is all given.
+fn start(position: &[f64], velocity: &[f64]) -> JointInitial {
+    JointInitial {
+        position: position.to_vec(),
+        velocity: velocity.to_vec(),
+        position_given: true,
+        velocity_given: true,
+    }
+}
+
+/// A loop between a point of one link and a point of another (`None` is the ground), both frames parallel to those of their
+/// links at joint position zero; hinges are about y.
+fn closure(kind: LoopKind, parent: (Option<usize>, Vector3<f64>), child: (Option<usize>, Vector3<f64>)) -> Loop {
+    let place = |(link, point): (Option<usize>, Vector3<f64>)| Place { link, origin: Isometry3::translation(point.x, point.y, point.z) };
+    let (parent, child) = (place(parent), place(child));
+    let number = |place: &Place| place.link.map_or("ground".to_string(), |link| link.to_string());
+    let name = format!("loop_{}_{}", number(&parent), number(&child));
+    Loop { name, kind, axis: Unit::new_unchecked(Vector3::y()), parent, child }
 }
 
 #[cfg(test)]

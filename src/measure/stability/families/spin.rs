@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
-use super::{Family, Length, SCAN, Scan, Truth};
+use super::{Family, Length, SCAN, Scan, Truth, start};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::JointInitial;
 use crate::model::{Base, Inertial, Scene};
@@ -52,7 +52,7 @@ fn rod(spin: f64) -> Scene {
 /// Attitude as a rotation vector and angular velocity in body axes.
 fn turning(attitude: Vector3<f64>, velocity: Vector3<f64>) -> JointInitial {
     let world = UnitQuaternion::new(attitude) * velocity;
-    JointInitial { position: attitude.as_slice().to_vec(), velocity: world.as_slice().to_vec() }
+    start(attitude.as_slice(), world.as_slice())
 }
 
 /// A box of 1 kg, 0.3 x 0.2 x 0.1 m, weightless.

@@ -16,9 +16,40 @@ use rattlebench::model::{Inertial, JointKind, Scene, read_urdf};
 
 /// Words that have broken readers of XML, JSON and numbers.
 const WORDS: &[&str] = &[
-    "", "0", "-1", "1e999", "-1e999", "NaN", "inf", "1e-320", "9007199254740993", "0x10", "1,0", "\u{feff}", "\0", "é",
-    "<", ">", "\"", "{", "}", "[", "]", "null", "true", "${x}", "&amp;", "<!--", "]]>", "<link name=\"base\"/>",
-    "type=\"fixed\"", "type=\"floating\"", "<inertial/>", "<mass value=\"0\"/>", "xyz=\"0 0 0\"", "world",
+    "",
+    "0",
+    "-1",
+    "1e999",
+    "-1e999",
+    "NaN",
+    "inf",
+    "1e-320",
+    "9007199254740993",
+    "0x10",
+    "1,0",
+    "\u{feff}",
+    "\0",
+    "é",
+    "<",
+    ">",
+    "\"",
+    "{",
+    "}",
+    "[",
+    "]",
+    "null",
+    "true",
+    "${x}",
+    "&amp;",
+    "<!--",
+    "]]>",
+    "<link name=\"base\"/>",
+    "type=\"fixed\"",
+    "type=\"floating\"",
+    "<inertial/>",
+    "<mass value=\"0\"/>",
+    "xyz=\"0 0 0\"",
+    "world",
 ];
 
 /// An edit of a text.
@@ -188,11 +219,13 @@ fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
 }
 
 fn inertial() -> impl Strategy<Value = Inertial> {
-    (decades(-6, 6), vector(1.0), prop::array::uniform3(decades(-4, 0)), vector(3.0)).prop_map(|(mass, com, m, turn)| {
-        let axes = UnitQuaternion::new(turn).to_rotation_matrix().into_inner();
-        let inertia = axes * Matrix3::from_diagonal(&(mass * Vector3::from(m))) * axes.transpose();
-        Inertial { mass, com, inertia: 0.5 * (inertia + inertia.transpose()) }
-    })
+    (decades(-6, 6), vector(1.0), prop::array::uniform3(decades(-4, 0)), vector(3.0)).prop_map(
+        |(mass, com, m, turn)| {
+            let axes = UnitQuaternion::new(turn).to_rotation_matrix().into_inner();
+            let inertia = axes * Matrix3::from_diagonal(&(mass * Vector3::from(m))) * axes.transpose();
+            Inertial { mass, com, inertia: 0.5 * (inertia + inertia.transpose()) }
+        },
+    )
 }
 
 /// A joint with its place, its damping, the choice of its parent, and its initial coordinates.
@@ -212,12 +245,17 @@ fn random_scene(limbs: &[Limb], gravity: Vector3<f64>) -> Scene {
     for (i, (kind, axis, place, turn, damping, parent, _, _, inertial)) in limbs.iter().enumerate() {
         let origin = Isometry3::from_parts(Translation3::from(*place), UnitQuaternion::new(*turn));
         let axis = nalgebra::Unit::new_normalize(*axis);
-        assembly.add(parent.index(i + 1), Mount { kind: *kind, axis, origin, damping: *damping }, Some(inertial.clone()));
+        assembly.add(
+            parent.index(i + 1),
+            Mount { kind: *kind, axis, origin, damping: *damping },
+            Some(inertial.clone()),
+        );
     }
     let mut scene = Scene { gravity, ..assembly.scene() };
     for (initial, limb) in scene.initial.iter_mut().zip(limbs) {
         let count = initial.position.len();
-        *initial = JointInitial { position: limb.6[..count].to_vec(), velocity: limb.7[..count].to_vec() };
+        let (position, velocity) = (limb.6[..count].to_vec(), limb.7[..count].to_vec());
+        *initial = JointInitial { position, velocity, position_given: true, velocity_given: true };
     }
     scene
 }

@@ -30,7 +30,9 @@ fn outputs(folder: &Path) -> Vec<(String, Vec<u8>)> {
         .expect("a folder")
         .map(|entry| entry.expect("readable").path())
         .filter(|path| path.file_name().is_some_and(|name| name != "cells.jsonl"))
-        .map(|path| (path.file_name().expect("a name").to_string_lossy().into_owned(), fs::read(path).expect("readable")))
+        .map(|path| {
+            (path.file_name().expect("a name").to_string_lossy().into_owned(), fs::read(path).expect("readable"))
+        })
         .collect();
     files.sort();
     files
@@ -105,7 +107,10 @@ fn another_suite_is_not_resumed() {
     let output = output.expect("runs");
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2));
-    assert!(message.contains("holds another suite: the list of engines is 'rattle rapier:preset=strong' there"), "{message}");
+    assert!(
+        message.contains("holds another suite: the list of engines is 'rattle rapier:preset=strong' there"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -122,8 +122,13 @@ mod tests {
     #[test]
     fn a_rod_on_a_slider_on_a_hinge_has_the_masses_that_were_given() {
         let mut assembly = Assembly::new("crane");
-        let arm = assembly.add(0, Mount::hinge(Vector3::z_axis(), Vector3::zeros()), Some(Inertial::rod(2.0, 0.1, 3.0)));
-        assembly.add(arm, Mount::slider(Vector3::x_axis(), Vector3::x()), Some(Inertial::block(Vector3::repeat(0.6), 5.0)));
+        let arm =
+            assembly.add(0, Mount::hinge(Vector3::z_axis(), Vector3::zeros()), Some(Inertial::rod(2.0, 0.1, 3.0)));
+        assembly.add(
+            arm,
+            Mount::slider(Vector3::x_axis(), Vector3::x()),
+            Some(Inertial::block(Vector3::repeat(0.6), 5.0)),
+        );
         let system = System::compile(&assembly.scene()).expect("compiles");
         assert_eq!(system.degrees_of_freedom(), 2);
         assert_eq!((system.bodies[0].mass, system.bodies[1].mass), (3.0, 5.0));

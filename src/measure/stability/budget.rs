@@ -36,7 +36,9 @@ pub fn check(engine: &Spec, bodies: usize, steps: u64) -> Result<(), String> {
     if cost <= ALLOWANCE {
         return Ok(());
     }
-    Err(format!("{steps} steps of {bodies} bodies would cost about {cost:.0} s; the allowance of a run is {ALLOWANCE} s"))
+    Err(format!(
+        "{steps} steps of {bodies} bodies would cost about {cost:.0} s; the allowance of a run is {ALLOWANCE} s"
+    ))
 }
 
 #[cfg(test)]

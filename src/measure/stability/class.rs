@@ -50,9 +50,7 @@ pub const WHOLE: f64 = 1.0;
 pub const BLOW_UP: f64 = 10.0;
 
 /// What became of a cell.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
     Accurate,
@@ -162,7 +160,8 @@ fn by_energy(energy: &[Stretch], largest: f64) -> Class {
 
 /// The largest absolute error; NaN where one is.
 fn largest(energy: &[Stretch]) -> f64 {
-    let sizes = energy.iter().map(|stretch| stretch.error.min.abs().max(stretch.error.max.abs()) + 0.0 * stretch.error.mean);
+    let sizes =
+        energy.iter().map(|stretch| stretch.error.min.abs().max(stretch.error.max.abs()) + 0.0 * stretch.error.mean);
     sizes.fold(0.0, |all, one| if one.is_nan() || one > all { one } else { all })
 }
 

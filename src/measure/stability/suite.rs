@@ -169,9 +169,12 @@ mod tests {
     #[test]
     fn shards_are_the_whole_and_share_no_cell() {
         let suite = suite(true);
-        let name = |cell: &Cell| format!("{} {} {} {}", cell.case.scan.id(cell.case.family), cell.case.value, cell.engine, cell.step);
-        let mut parts: Vec<String> =
-            (1..=5).flat_map(|index| suite.cells(Shard { index, of: 5 }).iter().map(name).collect::<Vec<_>>()).collect();
+        let name = |cell: &Cell| {
+            format!("{} {} {} {}", cell.case.scan.id(cell.case.family), cell.case.value, cell.engine, cell.step)
+        };
+        let mut parts: Vec<String> = (1..=5)
+            .flat_map(|index| suite.cells(Shard { index, of: 5 }).iter().map(name).collect::<Vec<_>>())
+            .collect();
         let mut whole: Vec<String> = suite.cells(Shard::WHOLE).iter().map(name).collect();
         parts.sort();
         whole.sort();

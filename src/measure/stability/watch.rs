@@ -1,9 +1,9 @@
 //! An engine that is watched: how far its joints part, how fast its bodies turn, and where they are at agreed times.
 
 use crate::engines::{Engine, StepFailure};
+use crate::measure::Horizon;
 use crate::mechanics::coordinates::{JointCoordinates, joint_coordinates};
 use crate::mechanics::{State, System};
-use crate::measure::Horizon;
 
 /// The run is cut into so many parts; states are compared at the end of each.
 pub const SAMPLES: u64 = 20;

@@ -19,7 +19,9 @@ pub fn sentence(scan: &ScanRecord, engine: &str) -> String {
     };
     let sound = scan.steps.iter().find(|&&h| cells.iter().all(|c| c.step > h || c.class.is_sound()));
     match sound {
-        Some(&h) if h != step => text += &format!("; right or bounded at every value from {} down", step_words(h, &scan.clock)),
+        Some(&h) if h != step => {
+            text += &format!("; right or bounded at every value from {} down", step_words(h, &scan.clock))
+        }
         Some(_) => {}
         None => text += "; no step of the map is right or bounded at every value",
     }
@@ -100,7 +102,15 @@ mod tests {
         }
         let values = (0..coarse.len()).map(|i| 10f64.powi(i as i32)).collect();
         let text = String::new;
-        ScanRecord { name: text(), title: text(), parameter: text(), clock: text(), values, steps: vec![0.01, 0.001], cells }
+        ScanRecord {
+            name: text(),
+            title: text(),
+            parameter: text(),
+            clock: text(),
+            values,
+            steps: vec![0.01, 0.001],
+            cells,
+        }
     }
 
     #[test]
@@ -108,10 +118,7 @@ mod tests {
         let sentence = |coarse: &[Class], fine: &[Class]| sentence(&scan(coarse, fine), "e");
         assert_eq!(sentence(&[Accurate; 3], &[Accurate; 3]), "accurate in every cell");
         assert_eq!(sentence(&[Bounded; 3], &[Accurate; 3]), "right or bounded in every cell");
-        assert_eq!(
-            sentence(&[ConstraintBroken; 3], &[Accurate; 3]),
-            "accurate at every value at a step of 1 ms"
-        );
+        assert_eq!(sentence(&[ConstraintBroken; 3], &[Accurate; 3]), "accurate at every value at a step of 1 ms");
         assert_eq!(
             sentence(&[ConstraintBroken; 4], &[Accurate, Bounded, ConstraintBroken, Refused]),
             "at a step of 1 ms right or bounded up to 10, joints apart at 100, refused from 1000; no step of the map is right \

@@ -35,7 +35,10 @@ pub fn draw(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteErr
     for family in &report.results {
         let png = stability_map::draw(family, &report.suite.engines)?;
         write_whole(&folder.join(format!("stability_{}.png", family.name)), &png)?;
-        pictures.push(Picture { caption: "Class of every cell: the parameter to the right, the step upwards, a column an engine", png });
+        pictures.push(Picture {
+            caption: "Class of every cell: the parameter to the right, the step upwards, a column an engine",
+            png,
+        });
     }
     let page = folder.join("index.html");
     write_whole(&page, page::html(report, &pictures).as_bytes())?;

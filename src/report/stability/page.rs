@@ -61,7 +61,8 @@ fn borders(scan: &ScanRecord, engines: &[String]) -> Markup {
 fn reasons(family: &FamilyRecord, engines: &[String]) -> Markup {
     let first = |scan: &'_ ScanRecord, engine: &str| -> Option<(String, String)> {
         let cell: &CellRecord = scan.cells.iter().find(|c| c.engine == engine && c.reason.is_some())?;
-        let place = format!("{}, {engine} at {} and {}", scan.name, written(cell.value), step_words(cell.step, &scan.clock));
+        let place =
+            format!("{}, {engine} at {} and {}", scan.name, written(cell.value), step_words(cell.step, &scan.clock));
         Some((place, cell.reason.clone()?))
     };
     let list: Vec<(String, String)> =

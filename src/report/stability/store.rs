@@ -77,9 +77,8 @@ impl Store {
 /// # Errors
 /// Files that are missing or are not what a suite leaves; another suite than the one expected.
 pub fn read(folder: &Path, expected: Option<&SuiteRecord>) -> Result<(SuiteRecord, Vec<StoredCell>), StoreError> {
-    let text = |path: &Path| {
-        fs::read_to_string(path).map_err(|error| StoreError::Read { path: path.to_path_buf(), error })
-    };
+    let text =
+        |path: &Path| fs::read_to_string(path).map_err(|error| StoreError::Read { path: path.to_path_buf(), error });
     let (head, path) = (folder.join(SUITE), folder.join(CELLS));
     let suite: SuiteRecord = serde_json::from_str(&text(&head)?).map_err(|e| json(&head, e))?;
     if let Some(what) = expected.and_then(|expected| difference(&suite, expected)) {
@@ -100,7 +99,9 @@ fn difference(there: &SuiteRecord, here: &SuiteRecord) -> Option<String> {
         .or_else(|| differ("the list of families", names(&there.families), names(&here.families)))
         .or_else(|| differ("the list of engines", names(&there.engines), names(&here.engines)))
         .or_else(|| differ("the extent", kind(there.quick), kind(here.quick)))
-        .or_else(|| (there.versions != here.versions).then(|| "it was begun by another version of the program".to_string()))
+        .or_else(|| {
+            (there.versions != here.versions).then(|| "it was begun by another version of the program".to_string())
+        })
 }
 
 fn line(cell: &StoredCell) -> serde_json::Result<String> {

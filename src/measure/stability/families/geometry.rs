@@ -113,8 +113,7 @@ fn gimbal(miss: f64) -> Scene {
     assembly.add(middle, Mount::hinge(Vector3::x_axis(), Vector3::zeros()), Some(body));
     let mut scene = assembly.scene();
     // Rolled by the miss, so that the outer hinge must turn as fast as the lock is near.
-    scene.initial =
-        vec![start(&[0.0], &[miss.sqrt()]), start(&[FRAC_PI_2 - 1.0], &[2.0]), start(&[miss], &[0.0])];
+    scene.initial = vec![start(&[0.0], &[miss.sqrt()]), start(&[FRAC_PI_2 - 1.0], &[2.0]), start(&[miss], &[0.0])];
     scene
 }
 

@@ -24,7 +24,12 @@ pub(super) static FAMILY: Family = Family {
     title: "Long chains",
     question: "do joints and energy hold when a chain has many links?",
     scans: &[
-        Scan { name: "hanging", title: "rods of 0.3 m, hanging, let go 0.1 rad from the vertical", scene: hanging, ..CHAIN },
+        Scan {
+            name: "hanging",
+            title: "rods of 0.3 m, hanging, let go 0.1 rad from the vertical",
+            scene: hanging,
+            ..CHAIN
+        },
         Scan {
             name: "whip",
             title: "rods of 0.3 m, let go from horizontal",

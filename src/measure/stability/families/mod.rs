@@ -35,7 +35,7 @@ const SCAN: Scan = Scan {
     quick_values: &[],
     full_steps: &[0.01, 1.0 / 240.0, 0.001, 1e-4],
     quick_steps: &[0.01, 0.001],
-    length: Length::Time(2.0),
+    length: Length::Time(4.0),
     clock: seconds,
     clock_name: "",
     scene: rods_of_two,
@@ -83,7 +83,10 @@ fn start(position: &[f64], velocity: &[f64]) -> JointInitial {
 /// A loop between a point of one link and a point of another (`None` is the ground), both frames parallel to those of their
 /// links at joint position zero; hinges are about y.
 fn closure(kind: LoopKind, parent: (Option<usize>, Vector3<f64>), child: (Option<usize>, Vector3<f64>)) -> Loop {
-    let place = |(link, point): (Option<usize>, Vector3<f64>)| Place { link, origin: Isometry3::translation(point.x, point.y, point.z) };
+    let place = |(link, point): (Option<usize>, Vector3<f64>)| Place {
+        link,
+        origin: Isometry3::translation(point.x, point.y, point.z),
+    };
     let (parent, child) = (place(parent), place(child));
     let number = |place: &Place| place.link.map_or("ground".to_string(), |link| link.to_string());
     let name = format!("loop_{}_{}", number(&parent), number(&child));

@@ -25,7 +25,12 @@ pub(super) static FAMILY: Family = Family {
         Scan { name: "top", title: "a heavy disc on a ball joint, spinning about its axis", scene: top, ..SPIN },
         Scan { name: "rod", title: "a slender rod on a ball joint, swept about the vertical", scene: rod, ..SPIN },
         Scan { name: "box", title: "a free box, tumbling about its middle axis", scene: tumbling, ..SPIN },
-        Scan { name: "needle", title: "a free slender rod, spinning about its axis and wobbling", scene: needle, ..SPIN },
+        Scan {
+            name: "needle",
+            title: "a free slender rod, spinning about its axis and wobbling",
+            scene: needle,
+            ..SPIN
+        },
     ],
 };
 

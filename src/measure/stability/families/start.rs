@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::{Family, Length, SCAN, Scan, chain, closure, start};
+use crate::model::Inertial;
 use crate::model::Scene;
 use crate::model::assemble::{Assembly, Mount};
-use crate::model::Inertial;
 use crate::model::scene::LoopKind;
 
 pub(super) static FAMILY: Family = Family {

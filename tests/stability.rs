@@ -94,7 +94,7 @@ fn shards_merge_to_the_same_bytes() {
     let incomplete = merge(&["shard_1", "shard_3"]);
     let message = String::from_utf8_lossy(&incomplete.stderr);
     assert_eq!(incomplete.status.code(), Some(2), "{message}");
-    assert!(message.contains(" cells are missing, the first is start/angle at "), "{message}");
+    assert!(message.contains(" cells are missing, the first is geometry/size at "), "{message}");
     assert!(merge(&["shard_2", "shard_1", "shard_3"]).status.success());
     assert_eq!(outputs(&at("merged")), outputs(&at("whole")));
 }
@@ -156,6 +156,7 @@ fn what_is_refused_or_wrong_at_a_coarse_step_is_accurate_at_a_finer_one() {
         ("geometry/gimbal", 1e-2),
         ("mass_ratio/tip_of_2", 1e7),
         ("mass_ratio/tip_of_5", 1e7),
+        ("mass_ratio/snap", 1e3),
         ("start/angle", 1e6),
     ];
     for (name, value) in cells {

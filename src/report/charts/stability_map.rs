@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::number::{duration, plain, power_of_ten};
+use super::super::number::{compact, duration, plain};
 use super::super::stability::record::{CellRecord, FamilyRecord, ScanRecord};
 use super::canvas::{self, Area, ChartError};
 use super::legend;
@@ -141,7 +141,7 @@ fn values(area: &Area, scan: &ScanRecord, edge: impl Fn(usize) -> i32, y: i32) -
     let style = style::font(SMALL, INK).pos(Pos::new(HPos::Center, VPos::Top));
     let mut free = i32::MIN;
     for (i, value) in scan.values.iter().enumerate() {
-        let words = short(*value);
+        let words = compact(*value);
         let half = area.estimate_text_size(&words, &style)?.0 as i32 / 2;
         let middle = (edge(i) + edge(i + 1)) / 2;
         if middle - half > free {
@@ -161,18 +161,4 @@ fn square(area: &Area, class: Class, (x, y): (i32, i32), (width, height): (i32, 
     let style = style::bold(SMALL, ink).pos(Pos::new(HPos::Center, VPos::Center));
     area.draw(&Text::new(letter, (x + width / 2, y + height / 2), style))?;
     Ok(())
-}
-
-/// A value in few letters: `10⁻⁷`, `3`, `−π`.
-fn short(value: f64) -> String {
-    let size = value.abs();
-    if (size - std::f64::consts::PI).abs() < 1e-12 {
-        return if value < 0.0 { "−π" } else { "π" }.to_string();
-    }
-    let exponent = size.log10().round();
-    let sign = if value < 0.0 { "−" } else { "" };
-    if (size / 10f64.powf(exponent) - 1.0).abs() < 1e-9 && !(0.05..5000.0).contains(&size) {
-        return format!("{sign}{}", power_of_ten(exponent as i32));
-    }
-    format!("{sign}{}", plain(size, 3))
 }

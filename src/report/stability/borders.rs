@@ -2,7 +2,7 @@
 
 use super::record::{CellRecord, ScanRecord};
 use crate::measure::stability::Class;
-use crate::report::number::{duration, written};
+use crate::report::number::{compact, duration, plain};
 
 /// What an engine does over a scan: everywhere, or over the values at the step nearest to 1 ms (1e-3 of the scan's clock).
 pub fn sentence(scan: &ScanRecord, engine: &str) -> String {
@@ -20,17 +20,17 @@ pub fn sentence(scan: &ScanRecord, engine: &str) -> String {
     let sound = scan.steps.iter().find(|&&h| cells.iter().all(|c| c.step > h || c.class.is_sound()));
     match sound {
         Some(&h) if h != step => {
-            text += &format!("; right or bounded at every value from {} down", step_words(h, &scan.clock))
+            text += &format!("; accurate or bounded everywhere from {} down", step_words(h, &scan.clock))
         }
         Some(_) => {}
-        None => text += "; no step of the map is right or bounded at every value",
+        None => text += "; no step serves every value",
     }
     text
 }
 
 /// A step in words, in seconds or in the scan's own unit.
 pub fn step_words(step: f64, clock: &str) -> String {
-    if clock.is_empty() { duration(step) } else { format!("{} {clock}", written(step)) }
+    if clock.is_empty() { duration(step) } else { format!("{} {clock}", plain(step, 3)) }
 }
 
 /// The step nearest to a thousandth.
@@ -41,7 +41,7 @@ fn usual_step(scan: &ScanRecord) -> Option<f64> {
 
 /// The group that a class is counted in where neighbours are put together.
 fn group(class: Class) -> &'static str {
-    if class.is_sound() { "right or bounded" } else { class.words() }
+    if class.is_sound() { "accurate or bounded" } else { class.words() }
 }
 
 /// What all cells have in common, if anything.
@@ -54,17 +54,17 @@ fn common<'a>(cells: impl Iterator<Item = &'a CellRecord> + Clone) -> Option<&'s
     same(&Class::words).or_else(|| same(&group))
 }
 
-/// `right or bounded up to 10, joints apart from 1000`
+/// `accurate or bounded up to 10, joints apart from 1000`
 fn stretches(row: &[&CellRecord]) -> String {
     let chunks: Vec<&[&CellRecord]> = row.chunk_by(|a, b| group(a.class) == group(b.class)).collect();
     let last = chunks.len().saturating_sub(1);
     let describe = |(i, chunk): (usize, &&[&CellRecord])| {
-        let (from, to) = (written(chunk[0].value), written(chunk[chunk.len() - 1].value));
+        let (from, to) = (compact(chunk[0].value), compact(chunk[chunk.len() - 1].value));
         let words = common(chunk.iter().copied()).unwrap_or_default();
         match i {
+            _ if chunk.len() == 1 => format!("{words} at {from}"),
             0 => format!("{words} up to {to}"),
             i if i == last => format!("{words} from {from}"),
-            _ if chunk.len() == 1 => format!("{words} at {from}"),
             _ => format!("{words} from {from} to {to}"),
         }
     };
@@ -117,12 +117,11 @@ mod tests {
     fn a_border_is_named_by_its_values() {
         let sentence = |coarse: &[Class], fine: &[Class]| sentence(&scan(coarse, fine), "e");
         assert_eq!(sentence(&[Accurate; 3], &[Accurate; 3]), "accurate in every cell");
-        assert_eq!(sentence(&[Bounded; 3], &[Accurate; 3]), "right or bounded in every cell");
+        assert_eq!(sentence(&[Bounded; 3], &[Accurate; 3]), "accurate or bounded in every cell");
         assert_eq!(sentence(&[ConstraintBroken; 3], &[Accurate; 3]), "accurate at every value at a step of 1 ms");
         assert_eq!(
-            sentence(&[ConstraintBroken; 4], &[Accurate, Bounded, ConstraintBroken, Refused]),
-            "at a step of 1 ms right or bounded up to 10, joints apart at 100, refused from 1000; no step of the map is right \
-             or bounded at every value"
+            sentence(&[ConstraintBroken; 5], &[Accurate, Bounded, ConstraintBroken, Refused, Refused]),
+            "at a step of 1 ms accurate or bounded up to 10, joints apart at 100, refused from 1000; no step serves every value"
         );
     }
 }

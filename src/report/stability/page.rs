@@ -7,7 +7,7 @@ use super::borders::{sentence, step_words};
 use super::record::{CellRecord, FamilyRecord, ScanRecord, StabilityReport};
 use crate::measure::stability::Class;
 use crate::measure::stability::class::{ACCURATE, BLOW_UP, BROKEN, MATERIAL};
-use crate::report::number::written;
+use crate::report::number::{compact, written};
 
 pub fn html(report: &StabilityReport, pictures: &[Picture]) -> String {
     let engines = &report.suite.engines;
@@ -62,7 +62,7 @@ fn reasons(family: &FamilyRecord, engines: &[String]) -> Markup {
     let first = |scan: &'_ ScanRecord, engine: &str| -> Option<(String, String)> {
         let cell: &CellRecord = scan.cells.iter().find(|c| c.engine == engine && c.reason.is_some())?;
         let place =
-            format!("{}, {engine} at {} and {}", scan.name, written(cell.value), step_words(cell.step, &scan.clock));
+            format!("{}, {engine} at {} and {}", scan.name, compact(cell.value), step_words(cell.step, &scan.clock));
         Some((place, cell.reason.clone()?))
     };
     let list: Vec<(String, String)> =

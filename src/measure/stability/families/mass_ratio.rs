@@ -33,6 +33,15 @@ pub(super) static FAMILY: Family = Family {
             ..TIP
         },
         Scan {
+            name: "snap",
+            title: "five rods, slack by 0.1 rad at each hinge, pulled taut by the last",
+            full_values: &[1.0, 1e1, 1e2, 1e3, 1e5, 1e7],
+            quick_values: &[1e1, 1e3],
+            length: Length::Time(0.2),
+            scene: |ratio| chain(5, |i| if i == 5 { ratio } else { 1.0 }, 0.1),
+            ..TIP
+        },
+        Scan {
             name: "middle_of_3",
             title: "three rods, the middle one light",
             parameter: "mass of the middle rod over that of the others",
@@ -62,8 +71,13 @@ pub(super) static FAMILY: Family = Family {
     ],
 };
 
+/// Rods from horizontal in a straight line, all hinges about y.
 fn tip(n: usize, ratio: f64) -> Scene {
-    chain(n, |i| if i == n { ratio } else { 1.0 }, 0.1)
+    let mut scene = chain(n, |i| if i == n { ratio } else { 1.0 }, 0.0);
+    for joint in &mut scene.model.joints {
+        joint.axis = Vector3::y_axis();
+    }
+    scene
 }
 
 /// A rod that carries 1 kg of the given radius of gyration on a hinge 0.3 m away from it.

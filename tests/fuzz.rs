@@ -104,9 +104,15 @@ fn apply(text: &str, edit: &Edit) -> String {
     }
 }
 
+/// Texts after a few edits; half of them only after such as leave the text well-formed.
 fn edited(texts: Vec<String>) -> impl Strategy<Value = String> {
-    (select(texts), prop::collection::vec(edit(), 1..6))
-        .prop_map(|(text, edits)| edits.iter().fold(text, |text, edit| apply(&text, edit)))
+    let place = any::<Index>;
+    let gentle = prop_oneof![
+        3 => (place(), select(WORDS)).prop_map(|(at, word)| Edit::Number(at, word)),
+        1 => (place(), place()).prop_map(|(a, b)| Edit::Swap(a, b)),
+    ];
+    let edits = prop_oneof![prop::collection::vec(edit(), 1..6), prop::collection::vec(gentle, 1..3)];
+    (select(texts), edits).prop_map(|(text, edits)| edits.iter().fold(text, |text, edit| apply(&text, edit)))
 }
 
 /// The texts of all shipped files with this ending, with one that has every kind of element.

@@ -59,7 +59,7 @@ pub struct Finding {
 }
 
 /// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for.
-pub const FAR_TURN: f64 = 0.5;
+pub const FAR_TURN: f64 = 0.3;
 
 impl Case {
     pub fn new(family: &'static Family, scan: &'static Scan, value: f64) -> Case {
@@ -128,8 +128,8 @@ impl Cell<'_> {
             joint_gap: measured.then_some(watched.joint_gap),
             pose_error,
             truth_until: pose_error.map(|_| truth.part() * horizon.end),
-            turn_per_step: measured.then_some(watched.fastest_turn * horizon.step),
-            warning: far_turn(watched.fastest_turn * horizon.step),
+            turn_per_step: measured.then_some(watched.turn_per_step),
+            warning: far_turn(watched.turn_per_step),
             ..Finding::without_run(class, reason(&trace.outcome), horizon.step)
         })
     }

@@ -51,11 +51,13 @@ pub struct Watched<'a> {
     horizon: Horizon,
     taken: u64,
     state: State,
+    /// The state that was looked at before.
+    before: State,
     coordinates: Vec<JointCoordinates>,
     /// Largest gap so far: over the length of a link, or rad.
     pub joint_gap: f64,
-    /// Largest angular velocity so far, rad/s.
-    pub fastest_turn: f64,
+    /// Largest turn in a step so far, rad: by the angular velocity, and where every step is looked at by the attitudes too.
+    pub turn_per_step: f64,
     /// The number of each sample that falls on a step, 1 to [`SAMPLES`], with the state there.
     pub samples: Vec<(u64, State)>,
 }
@@ -69,9 +71,10 @@ impl<'a> Watched<'a> {
             horizon,
             taken: 0,
             state: system.initial.clone(),
+            before: system.initial.clone(),
             coordinates: system.initial_coordinates.clone(),
             joint_gap: 0.0,
-            fastest_turn: 0.0,
+            turn_per_step: 0.0,
             samples: Vec::new(),
         }
     }
@@ -80,6 +83,11 @@ impl<'a> Watched<'a> {
     fn sample(&self) -> Option<u64> {
         let (part, steps) = (self.taken * SAMPLES, self.horizon.steps);
         (part % steps == 0).then_some(part / steps)
+    }
+
+    /// Steps between two looks.
+    fn stride(&self) -> u64 {
+        self.horizon.steps.div_ceil(LOOKS)
     }
 
     fn look(&mut self) {
@@ -93,7 +101,12 @@ impl<'a> Watched<'a> {
             let gap = allowed.inv_mul(&(state.pose() * joint.in_child));
             keep_larger(&mut self.joint_gap, gap.translation.vector.norm() / self.scales.link);
             keep_larger(&mut self.joint_gap, gap.rotation.angle());
-            keep_larger(&mut self.fastest_turn, state.angular_velocity.norm());
+            keep_larger(&mut self.turn_per_step, state.angular_velocity.norm() * self.horizon.step);
+        }
+        if self.stride() == 1 {
+            for (now, before) in self.state.bodies.iter().zip(&self.before.bodies) {
+                keep_larger(&mut self.turn_per_step, now.attitude.angle_to(&before.attitude));
+            }
         }
         for closure in &self.system.parts.loops {
             let locked = (0..6).filter(|&i| closure.locked()[i]);
@@ -109,8 +122,9 @@ impl Engine for Watched<'_> {
     fn step(&mut self) -> Result<(), StepFailure> {
         self.engine.step()?;
         self.taken += 1;
-        let (sample, stride) = (self.sample(), self.horizon.steps.div_ceil(LOOKS));
-        if sample.is_some() || self.taken % stride == 0 {
+        let sample = self.sample();
+        if sample.is_some() || self.taken % self.stride() == 0 {
+            std::mem::swap(&mut self.state, &mut self.before);
             self.engine.write_state(&mut self.state);
             self.look();
         }

@@ -60,7 +60,8 @@ pub fn draw(family: &FamilyRecord, engines: &[String]) -> Result<Vec<u8>, ChartE
     let width = (WIDTH - 2 * LEFT - STEPS - GAP * (count - 1)) / count;
     let left = |column: usize| LEFT + STEPS + column as u32 * (width + GAP);
     canvas::render_of_height(height, |area| {
-        legend::frame(area, &family.title, &sentence(&family.question), &[], &[])?;
+        let subtitle = format!("{} An exclamation mark: the program warns of the run.", sentence(&family.question));
+        legend::frame(area, &family.title, &subtitle, &[], &[])?;
         classes(area)?;
         for (column, engine) in engines.iter().enumerate() {
             heading(area, engine, left(column))?;
@@ -101,7 +102,7 @@ fn classes(area: &Area) -> Result<(), ChartError> {
         if x + at(34) + width > at(WIDTH - LEFT) {
             (x, y) = (at(LEFT), y + at(32));
         }
-        square(area, class, (x, y), (at(26), at(24)))?;
+        square(area, class, false, (x, y), (at(26), at(24)))?;
         area.draw(&Text::new(meaning(class), (x + at(34), y + at(2)), style.clone()))?;
         x += at(34) + width + at(28);
     }
@@ -130,7 +131,13 @@ fn panel(area: &Area, scan: &ScanRecord, engine: &str, (left, top): (u32, u32), 
         for (row, &step) in scan.steps.iter().enumerate() {
             let Some(cell) = find(value, step) else { continue };
             let y = at(top + row as u32 * CELL_HEIGHT);
-            square(area, cell.class, (edge(i) + 2, y + 2), (edge(i + 1) - edge(i) - 4, at(CELL_HEIGHT) - 4))?;
+            square(
+                area,
+                cell.class,
+                cell.warning.is_some(),
+                (edge(i) + 2, y + 2),
+                (edge(i + 1) - edge(i) - 4, at(CELL_HEIGHT) - 4),
+            )?;
         }
     }
     values(area, scan, edge, at(top + scan.steps.len() as u32 * CELL_HEIGHT + 6))
@@ -152,13 +159,20 @@ fn values(area: &Area, scan: &ScanRecord, edge: impl Fn(usize) -> i32, y: i32) -
     Ok(())
 }
 
-/// A cell with its letter.
-fn square(area: &Area, class: Class, (x, y): (i32, i32), (width, height): (i32, i32)) -> Result<(), ChartError> {
+/// A cell with its letter, and an exclamation mark where there is a warning.
+fn square(
+    area: &Area,
+    class: Class,
+    warning: bool,
+    (x, y): (i32, i32),
+    (width, height): (i32, i32),
+) -> Result<(), ChartError> {
     let (fill, ink, letter) = look(class);
     let corners = [(x, y), (x + width, y + height)];
     area.draw(&Rectangle::new(corners, fill.filled()))?;
     area.draw(&Rectangle::new(corners, GREY.stroke_width(px(1))))?;
     let style = style::bold(SMALL, ink).pos(Pos::new(HPos::Center, VPos::Center));
+    let letter = if warning { format!("{letter}!") } else { letter.to_string() };
     area.draw(&Text::new(letter, (x + width / 2, y + height / 2), style))?;
     Ok(())
 }

@@ -57,13 +57,14 @@ fn borders(scan: &ScanRecord, engines: &[String]) -> Markup {
     }
 }
 
-/// The first reason of each engine and scan that has one.
+/// The first reason or warning of each engine and scan that has one.
 fn reasons(family: &FamilyRecord, engines: &[String]) -> Markup {
+    let words = |cell: &'_ CellRecord| cell.reason.clone().or_else(|| cell.warning.clone());
     let first = |scan: &'_ ScanRecord, engine: &str| -> Option<(String, String)> {
-        let cell: &CellRecord = scan.cells.iter().find(|c| c.engine == engine && c.reason.is_some())?;
+        let cell: &CellRecord = scan.cells.iter().find(|c| c.engine == engine && words(c).is_some())?;
         let place =
             format!("{}, {engine} at {} and {}", scan.name, compact(cell.value), step_words(cell.step, &scan.clock));
-        Some((place, cell.reason.clone()?))
+        Some((place, words(cell)?))
     };
     let list: Vec<(String, String)> =
         family.scans.iter().flat_map(|scan| engines.iter().filter_map(move |engine| first(scan, engine))).collect();

@@ -52,6 +52,10 @@ const WORDS: &[&str] = &[
     "world",
 ];
 
+/// Numbers, most of them possible.
+const NUMBERS: &[&str] =
+    &["0", "-1", "0.5", "3.14", "1e-3", "1e3", "-0", "1e-320", "9007199254740993", "1e12", "1e999", "NaN"];
+
 /// An edit of a text.
 #[derive(Clone, Debug)]
 enum Edit {
@@ -108,7 +112,7 @@ fn apply(text: &str, edit: &Edit) -> String {
 fn edited(texts: Vec<String>) -> impl Strategy<Value = String> {
     let place = any::<Index>;
     let gentle = prop_oneof![
-        3 => (place(), select(WORDS)).prop_map(|(at, word)| Edit::Number(at, word)),
+        6 => (place(), select(NUMBERS)).prop_map(|(at, number)| Edit::Number(at, number)),
         1 => (place(), place()).prop_map(|(a, b)| Edit::Swap(a, b)),
     ];
     let edits = prop_oneof![prop::collection::vec(edit(), 1..6), prop::collection::vec(gentle, 1..3)];

@@ -21,7 +21,7 @@ pub struct Args {
 
 /// What a file holds.
 enum Saved {
-    Comparison(Report),
+    Comparison(Box<Report>),
     Stability(StabilityReport),
 }
 
@@ -52,7 +52,7 @@ fn read(path: &Path) -> Result<Saved, CliError> {
         Err(ReadError::Schema { schema }) if schema == stability::record::SCHEMA => {
             serde_json::from_str(&text).map(Saved::Stability).map_err(ReadError::Json)
         }
-        report => report.map(Saved::Comparison),
+        report => report.map(|report| Saved::Comparison(Box::new(report))),
     };
     saved.map_err(|error| CliError::Report { path: path.to_path_buf(), error })
 }

@@ -82,7 +82,7 @@ impl<'a> Watched<'a> {
     /// The sample that is due after the present step, if one is.
     fn sample(&self) -> Option<u64> {
         let (part, steps) = (self.taken * SAMPLES, self.horizon.steps);
-        (part % steps == 0).then_some(part / steps)
+        part.is_multiple_of(steps).then_some(part / steps)
     }
 
     /// Steps between two looks.
@@ -123,7 +123,7 @@ impl Engine for Watched<'_> {
         self.engine.step()?;
         self.taken += 1;
         let sample = self.sample();
-        if sample.is_some() || self.taken % self.stride() == 0 {
+        if sample.is_some() || self.taken.is_multiple_of(self.stride()) {
             std::mem::swap(&mut self.state, &mut self.before);
             self.engine.write_state(&mut self.state);
             self.look();

@@ -34,7 +34,12 @@ fn a_step_allocates_nothing() {
     let joints = [Revolute, Spherical, Prismatic, Planar, Floating].map(|kind| (kind, Vector3::new(0.1, 1.0, 0.2)));
     let mut damped = chain(&joints);
     damped.model.joints[1].damping = 0.01;
-    for (scene, text) in [(chain(&joints), "rattle"), (chain(&joints), "rattle:order=8"), (damped, "rattle")] {
+    for (scene, text) in [
+        (chain(&joints), "rattle"),
+        (chain(&joints), "rattle:order=8"),
+        (chain(&joints), "rattle:method=lobatto,stages=4"),
+        (damped, "rattle"),
+    ] {
         let system = compile(&scene);
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         let mut engine = engines::build(&Spec::parse(text).unwrap(), &system, 1e-3).unwrap();

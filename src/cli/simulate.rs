@@ -66,6 +66,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Ok(ended) => ended,
     };
     output.close()?;
+    for remark in engine.remarks() {
+        eprintln!("remark: {spec}: {remark}");
+    }
     match ended {
         Ended::Completed => Ok(()),
         Ended::Interrupted => Err(CliError::Interrupted),

@@ -21,7 +21,20 @@ use rattlebench::model::Scene;
 /// s
 const STEP: f64 = 0.01;
 
-const METHODS: [&str; 4] = ["rattle:order=2", "rattle:order=4", "rattle:order=6", "rattle:order=8"];
+const METHODS: [&str; 12] = [
+    "rattle:order=2",
+    "rattle:order=4",
+    "rattle:order=6",
+    "rattle:order=8",
+    "rattle:rotation=splitting",
+    "rattle:rotation=cayley",
+    "rattle:method=euler_a",
+    "rattle:method=euler_b",
+    "rattle:method=shake",
+    "rattle:method=lobatto,stages=3",
+    "rattle:method=lobatto,stages=4",
+    "rattle:method=lobatto,stages=5",
+];
 
 fn step(method: &str, system: &System, state: &State, h: f64) -> State {
     let from_here = System { initial: state.clone(), ..system.clone() };

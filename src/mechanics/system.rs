@@ -390,11 +390,12 @@ fn from_z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
 
 fn check(scene: &Scene, link: &str, joint: &Joint, frame: &Principal) -> Result<(), CompileError> {
     let (scene, link, name) = (scene.name.clone(), link.to_string(), joint.name.clone());
-    if frame.mass <= 0.0 {
+    // Nothing can be divided by a mass below the normal numbers.
+    if !(frame.mass >= f64::MIN_POSITIVE) {
         return Err(CompileError::Massless { scene, link, joint: name });
     }
     let moment = frame.moments.min();
-    if moment <= 0.0 {
+    if !(moment >= f64::MIN_POSITIVE) {
         return Err(CompileError::NoInertia { scene, link, joint: name, moment });
     }
     if joint.kind == JointKind::Floating && joint.damping > 0.0 {

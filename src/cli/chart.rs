@@ -3,15 +3,18 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use super::CliError;
 use crate::report::record::ReadError;
 use crate::report::stability::{self, StabilityReport};
+use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
 use crate::report::{Report, files};
 
-/// Draw the charts and the page of saved reports again.
+/// Draw the charts and the page of saved reports, and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// report.json and stability.json files.
+    /// report.json and stability.json files, and JSON files that `theory` wrote.
     #[arg(required = true, value_name = "REPORT.json")]
     report: Vec<PathBuf>,
     /// Folder for the charts and the page; with several reports, for one folder each [default: where the report is].
@@ -19,40 +22,71 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// What a file holds.
+/// What a JSON file holds.
 enum Saved {
-    Comparison(Box<Report>),
-    Stability(StabilityReport),
+    Report(Box<Report>),
+    Stability(Box<StabilityReport>),
+    Theory(Box<TheoryFile>),
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
     let saved = args.report.iter().map(|path| Ok((path, read(path)?))).collect::<Result<Vec<_>, CliError>>()?;
-    for (path, saved) in &saved {
-        let name = match saved {
-            Saved::Comparison(report) => &report.scene.name,
-            Saved::Stability(_) => "stability",
-        };
-        let folder = match &args.out {
-            Some(out) if args.report.len() == 1 => out.clone(),
-            Some(out) => out.join(name),
-            None => path.parent().unwrap_or(Path::new("")).to_path_buf(),
-        };
-        let page = match saved {
-            Saved::Comparison(report) => files::draw(report, &folder)?,
-            Saved::Stability(report) => stability::draw(report, &folder)?,
-        };
-        writeln!(std::io::stdout().lock(), "{}", page.display())?;
+    let (mut pages, mut topics) = (Vec::new(), Vec::new());
+    let folder = |path: &Path, name: &str| match &args.out {
+        Some(out) if args.report.len() == 1 => out.clone(),
+        Some(out) => out.join(name),
+        None => beside(path),
+    };
+    for (path, file) in saved {
+        match file {
+            Saved::Report(report) => pages.push(files::draw(&report, &folder(path, &report.scene.name))?),
+            Saved::Stability(report) => pages.push(stability::draw(&report, &folder(path, "stability"))?),
+            Saved::Theory(topic) => topics.push((path, *topic)),
+        }
     }
+    pages.extend(draw_topics(topics, args.out.as_deref())?);
+    let mut out = std::io::stdout().lock();
+    pages.iter().try_for_each(|page| writeln!(out, "{}", page.display()))?;
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Saved, CliError> {
-    let text = std::fs::read_to_string(path).map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
-    let saved = match Report::from_json(&text) {
-        Err(ReadError::Schema { schema }) if schema == stability::record::SCHEMA => {
-            serde_json::from_str(&text).map(Saved::Stability).map_err(ReadError::Json)
+/// One page for all topics of a folder, or for the topics given where there is a folder for them.
+fn draw_topics(topics: Vec<(&PathBuf, TheoryFile)>, out: Option<&Path>) -> Result<Vec<PathBuf>, CliError> {
+    match out {
+        _ if topics.is_empty() => Ok(Vec::new()),
+        Some(out) => {
+            let files: Vec<TheoryFile> = topics.into_iter().map(|(_, file)| file).collect();
+            Ok(vec![theory::draw(&files, out)?])
         }
-        report => report.map(|report| Saved::Comparison(Box::new(report))),
-    };
-    saved.map_err(|error| CliError::Report { path: path.to_path_buf(), error })
+        None => {
+            let mut folders: Vec<PathBuf> = topics.iter().map(|(path, _)| beside(path)).collect();
+            folders.sort();
+            folders.dedup();
+            folders.iter().map(|folder| Ok(theory::draw_folder(folder)?)).collect()
+        }
+    }
+}
+
+fn beside(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+fn read(path: &Path) -> Result<Saved, CliError> {
+    #[derive(Deserialize)]
+    struct Head {
+        schema: Option<String>,
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
+    let head: Option<Head> = serde_json::from_str(&text).ok();
+    let failed = |error| CliError::Report { path: path.to_path_buf(), error };
+    match head.and_then(|head| head.schema).as_deref() {
+        Some(FILE_SCHEMA) => return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?))),
+        Some(stability::record::SCHEMA) => {
+            let report = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
+            return Ok(Saved::Stability(Box::new(report)));
+        }
+        _ => {}
+    }
+    let report = Report::from_json(&text).map_err(failed)?;
+    Ok(Saved::Report(Box::new(report)))
 }

@@ -51,6 +51,9 @@ pub struct Args {
     /// Only the two largest steps, over at most 2 s of simulated time.
     #[arg(long)]
     quick: bool,
+    /// Examine eight steps of each run too: how far they are from symplectic, reversible and momentum conserving.
+    #[arg(long)]
+    structure: bool,
 }
 
 /// A scene with what is to be run on it.
@@ -86,6 +89,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             horizons: &task.horizons,
             budget,
             jobs: jobs.unwrap_or(1),
+            structure: args.structure,
         };
         compare(task, &comparison, interrupted)?;
     }
@@ -131,6 +135,7 @@ fn compare(task: &Task, comparison: &Comparison, interrupted: &AtomicBool) -> Re
     let counters = Progress::default();
     let stages = [
         progress::Stage { name: "measuring", total: comparison.steps(), done: &counters.traced },
+        progress::Stage { name: "examining", total: comparison.examinations(), done: &counters.examined },
         progress::Stage { name: "timing", total: comparison.turns(), done: &counters.timed },
     ];
     let results = progress::during(&task.scene.name, &stages, || comparison.run(interrupted, &counters));
@@ -141,6 +146,10 @@ fn compare(task: &Task, comparison: &Comparison, interrupted: &AtomicBool) -> Re
     let page = files::write(&report, &task.folder)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}\n{}\n", task.scene.name, finding::sentence(&report))?;
-    writeln!(out, "{}\n{}\n", table::text(&report), page.display())?;
+    writeln!(out, "{}", table::text(&report))?;
+    if let Some(structure) = table::structure_text(&report) {
+        writeln!(out, "structure of {} steps\n{structure}", crate::measure::structure::STEPS)?;
+    }
+    writeln!(out, "{}\n", page.display())?;
     if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
 }

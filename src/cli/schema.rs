@@ -8,6 +8,7 @@ use super::CliError;
 use crate::model::scene_file::SceneFile;
 use crate::report::Report;
 use crate::report::stability::StabilityReport;
+use crate::report::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]
@@ -24,6 +25,8 @@ enum File {
     Report,
     /// A stability.json.
     Stability,
+    /// A file that `theory` writes.
+    Theory,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
@@ -31,6 +34,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         File::Scene => schemars::schema_for!(SceneFile),
         File::Report => schemars::schema_for!(Report),
         File::Stability => schemars::schema_for!(StabilityReport),
+        File::Theory => schemars::schema_for!(TheoryFile),
     };
     let text = serde_json::to_string_pretty(&schema)?;
     writeln!(std::io::stdout().lock(), "{text}")?;

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::Horizon;
 use super::clock::{self, Candidate, Timing};
+use super::structure::{self, Structure};
 use super::trace::{self, Limits, Outcome, Trace};
 use crate::engines::{self, Spec};
 use crate::mechanics::System;
@@ -21,13 +22,16 @@ pub struct Comparison<'a> {
     pub budget: Duration,
     /// Threads for the traced runs. Timed runs have the machine to themselves.
     pub jobs: usize,
+    /// Examine the structure of a few steps of each run too.
+    pub structure: bool,
 }
 
 /// How far a comparison is, for a progress bar.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Steps of traced runs, and turns of timed ones.
+    /// Steps of traced runs, runs of which a few steps were examined, and turns of timed ones.
     pub traced: AtomicU64,
+    pub examined: AtomicU64,
     pub timed: AtomicU64,
 }
 
@@ -37,6 +41,7 @@ pub struct Run {
     pub engine: Spec,
     pub horizon: Horizon,
     pub trace: Trace,
+    pub structure: Option<Structure>,
     pub timing: Option<Timing>,
 }
 
@@ -54,6 +59,11 @@ impl Comparison<'_> {
         self.engines.len() as u64 * self.horizons.iter().map(|h| h.steps).sum::<u64>()
     }
 
+    /// Runs of which a few steps are examined.
+    pub fn examinations(&self) -> u64 {
+        if self.structure { (self.engines.len() * self.horizons.len()) as u64 } else { 0 }
+    }
+
     /// Turns that the timed runs take at most.
     pub fn turns(&self) -> u64 {
         (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
@@ -66,29 +76,51 @@ impl Comparison<'_> {
         let limits = Limits { budget: self.budget, interrupted, taken: &progress.traced };
         let traces = self.trace_all(&cases, &limits);
         let missing = traces.iter().any(Option::is_none);
+        let structures = self.examine_all(&cases, &Limits { taken: &progress.examined, ..limits });
         let mut runs: Vec<Run> = cases
             .into_iter()
             .zip(traces)
-            .filter_map(|((spec, horizon), trace)| {
-                Some(Run { engine: spec.clone(), horizon, trace: trace?, timing: None })
+            .zip(structures)
+            .filter_map(|(((spec, horizon), trace), structure)| {
+                Some(Run { engine: spec.clone(), horizon, trace: trace?, structure, timing: None })
             })
             .collect();
         let timed = !missing && self.time_all(&mut runs, interrupted, progress);
         Results { runs, interrupted: !timed }
     }
 
-    /// Traces on `jobs` threads, the runs with the most steps first.
+    /// Traces all cases, those with the most steps first.
     fn trace_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Trace>> {
         let mut order: Vec<usize> = (0..cases.len()).collect();
         order.sort_by_key(|&i| std::cmp::Reverse(cases[i].1.steps));
+        self.on_threads(&order, |i| self.trace_one(cases[i].0, cases[i].1, limits))
+    }
+
+    /// Examines a few steps of every case, all from the same state.
+    fn examine_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Structure>> {
+        if !self.structure || limits.interrupted.load(Ordering::Relaxed) {
+            return vec![None; cases.len()];
+        }
+        let shortest = cases.iter().map(|(_, horizon)| horizon.end).fold(f64::INFINITY, f64::min);
+        let (state, at) = structure::examined_state(self.system, shortest);
+        let order: Vec<usize> = (0..cases.len()).collect();
+        self.on_threads(&order, |i| {
+            let (spec, horizon) = cases[i];
+            let found = structure::examine(self.system, spec, horizon.step, (&state, at), limits);
+            limits.taken.fetch_add(1, Ordering::Relaxed);
+            found
+        })
+    }
+
+    /// Does the pieces of work named by `order` on `jobs` threads; the results stand at their own places.
+    fn on_threads<T: Send>(&self, order: &[usize], work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
         let next = AtomicUsize::new(0);
-        let found: Vec<Mutex<Option<Trace>>> = cases.iter().map(|_| Mutex::new(None)).collect();
+        let found: Vec<Mutex<Option<T>>> = order.iter().map(|_| Mutex::new(None)).collect();
         std::thread::scope(|scope| {
-            for _ in 0..self.jobs.clamp(1, cases.len().max(1)) {
+            for _ in 0..self.jobs.clamp(1, order.len().max(1)) {
                 scope.spawn(|| {
                     while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let (spec, horizon) = cases[i];
-                        let result = self.trace_one(spec, horizon, limits);
+                        let result = work(i);
                         if let Ok(mut slot) = found[i].lock() {
                             *slot = result;
                         }

@@ -2,7 +2,8 @@
 //!
 //! A [`Horizon`] says how many steps of which size a run takes. [`trace`](trace::trace) steps an engine over it once and
 //! computes energy, joint residuals and momentum after every step; [`clock`] measures the processor time of the stepping
-//! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows.
+//! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows;
+//! [`structure`] what a few steps preserve of the structure of the motion.
 
 pub mod clock;
 pub mod comparison;
@@ -10,6 +11,7 @@ pub mod growth;
 pub mod horizon;
 pub mod series;
 pub mod stability;
+pub mod structure;
 pub mod trace;
 mod work;
 

@@ -14,7 +14,7 @@ pub struct Metric {
 }
 
 /// All figures. A new one is one entry here.
-pub const METRICS: [Metric; 12] = [
+pub const METRICS: [Metric; 16] = [
     Metric {
         name: "energy.max_relative_error",
         unit: "of the energy scale",
@@ -68,6 +68,30 @@ pub const METRICS: [Metric; 12] = [
         unit: "of its scale",
         summary: "largest error of a conserved component of momentum",
         value: |r| Some(r.momentum.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "structure.symplecticity.defect",
+        unit: "",
+        summary: "largest entry of A^T Omega A - Omega for the derivative A of a few steps (compare --structure)",
+        value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.defect),
+    },
+    Metric {
+        name: "structure.symplecticity.differencing_error",
+        unit: "",
+        summary: "what the differences that give that derivative err by",
+        value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.differencing_error),
+    },
+    Metric {
+        name: "structure.reversibility.defect",
+        unit: "rad, m, rad/s or m/s",
+        summary: "distance from the start after a few steps, a reversal, as many steps and a reversal",
+        value: |r| Some(r.structure.as_ref()?.reversibility.as_ref()?.defect),
+    },
+    Metric {
+        name: "structure.momentum_map.defect",
+        unit: "of its scale",
+        summary: "largest change of a conserved component of momentum over these steps",
+        value: |r| Some(r.structure.as_ref()?.momentum_map.as_ref()?.defect),
     },
     Metric {
         name: "start.relative_energy",

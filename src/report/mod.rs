@@ -12,6 +12,7 @@ pub mod number;
 pub mod page;
 pub mod record;
 pub mod stability;
+mod structure;
 pub mod table;
 pub mod theory;
 

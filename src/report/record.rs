@@ -11,6 +11,8 @@ use crate::measure::trace::{self, MomentumError, Outcome as Ended, Trace};
 use crate::mechanics::System;
 use crate::model::{Ignored, Scene};
 
+pub use super::structure::{CorrectedStructure, Memory, MomentumMap, Reversibility, Structure, Symplecticity};
+
 /// Name and version of the format.
 pub const SCHEMA: &str = "rattlebench/report/1";
 
@@ -106,6 +108,9 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
+    /// What a few steps preserve of the structure of the motion; only where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Structure>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -331,6 +336,7 @@ impl Run {
                 .map(|r| Constraint { max_position: r.position, max_velocity: r.velocity })
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
+            structure: run.structure.as_ref().map(Structure::from),
             time: run.timing.map(|t| time(t, run.horizon.step)),
             series: (!trace.series.blocks.is_empty()).then(|| series(trace)),
         }

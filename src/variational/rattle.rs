@@ -27,6 +27,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
+use super::bonds::Trying;
 use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
 use super::loops::{Loops, StepEnergy, Worst};
@@ -508,8 +509,8 @@ impl Rattle {
         let (nodes, places, newton) = (&self.nodes, &self.places, &mut self.newton);
         let mut solved = newton.correct(nodes, places, h, |i, f| wrench[i] += f);
         if let (Ok(()), Some(loops)) = (solved, &mut self.loops) {
-            let motion = |i: usize| trial[i].motion;
-            solved = loops.correct_exactly(h, newton, nodes, &self.pose, places, &motion, |i, f| wrench[i] += f);
+            let at = Trying { nodes, pose: &self.pose, places, motion: &|i| trial[i].motion };
+            solved = loops.correct_exactly(h, newton, &at, |i, f| wrench[i] += f);
         }
         solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }

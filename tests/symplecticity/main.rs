@@ -3,17 +3,15 @@
 //!
 //! The derivative is taken by central differences of the engine's step, which knows nothing of it.
 
-mod chart;
 mod runge_kutta;
 
 use std::path::PathBuf;
 
-use chart::Chart;
 use nalgebra::{Isometry3, Vector3};
 use rattlebench::discrete::solve::central_difference;
-use rattlebench::discrete::structure::{canonical_form, join, split};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::engines::{self, Spec};
+use rattlebench::measure::structure::{Differenced, PhaseChart, defect_by, symplecticity, twists};
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
 use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 use rattlebench::model::Scene;
@@ -21,7 +19,7 @@ use rattlebench::model::Scene;
 /// s
 const STEP: f64 = 0.01;
 
-const METHODS: [&str; 12] = [
+const METHODS: [&str; 14] = [
     "rattle:order=2",
     "rattle:order=4",
     "rattle:order=6",
@@ -34,64 +32,25 @@ const METHODS: [&str; 12] = [
     "rattle:method=lobatto,stages=3",
     "rattle:method=lobatto,stages=4",
     "rattle:method=lobatto,stages=5",
+    "galerkin:stages=2",
+    "galerkin:stages=4",
 ];
 
-fn step(method: &str, system: &System, state: &State, h: f64) -> State {
-    let from_here = System { initial: state.clone(), ..system.clone() };
-    let mut engine = engines::build(&Spec::parse(method).unwrap(), &from_here, h).unwrap();
+/// One step of a new engine from the system's initial state.
+fn first_step(method: &str, system: &System, h: f64) -> State {
+    let mut engine = engines::build(&Spec::parse(method).unwrap(), system, h).unwrap();
     engine.step().unwrap();
-    let mut out = state.clone();
+    let mut out = system.initial.clone();
     engine.write_state(&mut out);
     out
 }
 
-/// How far a map is from symplectic at a state: the largest entry of `A^T Omega A - Omega`.
-///
-/// Coordinates and momenta are scaled by `theta_i = y_i`, `p_i = H_ii y'_i` with the mass matrix `H`, so that all `y` have
-/// about the same size, and an entry of the defect that belongs to `i` and `j` is divided by `sqrt(H_ii H_jj)`.
-struct Defect<'a> {
-    map: &'a dyn Fn(&State) -> State,
-    /// Charts at both ends of the step.
-    here: Chart<'a>,
-    there: Chart<'a>,
-    start: Vector,
-    /// `H_ii`, kg or kg m^2.
-    scale: Vector,
+fn step(method: &str, system: &System, state: &State, h: f64) -> State {
+    first_step(method, &System { initial: state.clone(), ..system.clone() }, h)
 }
 
-impl<'a> Defect<'a> {
-    fn new(system: &'a System, start: &State, map: &'a dyn Fn(&State) -> State) -> Defect<'a> {
-        let (here, there) = (Chart::about(system, start), Chart::about(system, &map(start)));
-        let theta = here.coordinates(start);
-        let scale = here.mass_matrix(&theta).diagonal();
-        let start = join(&theta, &here.momenta(&theta, start).component_div(&scale));
-        Defect { map, here, there, start, scale }
-    }
-
-    /// By differences of the given reach, in rad and m, and rad/s and m/s for the momenta. A long reach errs by its sixth
-    /// power, a short one by roundoff.
-    fn at(&self, reach: f64) -> f64 {
-        let (scale, d) = (&self.scale, self.scale.len());
-        let derivative = central_difference(&self.start, reach, |y| {
-            let (theta, rate) = split(y);
-            let end = (self.map)(&self.here.state_at_momenta(&theta, &rate.component_mul(scale)));
-            let theta = self.there.coordinates(&end);
-            Ok(join(&theta, &self.there.momenta(&theta, &end).component_div(scale)))
-        })
-        .unwrap();
-        let mut form = canonical_form(d);
-        for i in 0..2 * d {
-            form.row_mut(i).scale_mut(scale[i % d]);
-        }
-        let left = derivative.transpose() * &form * derivative - form;
-        assert!(left.iter().all(|x| x.is_finite()));
-        left.map_with_location(|i, j, value| value / (scale[i % d] * scale[j % d]).sqrt()).amax()
-    }
-
-    /// The smallest over several reaches: what is the map's own does not depend on them.
-    fn smallest(&self) -> f64 {
-        [1e-2, 4e-3, 1.6e-3, 6.4e-4].map(|reach| self.at(reach)).into_iter().fold(f64::INFINITY, f64::min)
-    }
+fn defect(system: &System, state: &State, map: &dyn Fn(&System) -> State) -> Differenced {
+    symplecticity(system, state, 0.0, &|from| Ok(map(from))).unwrap()
 }
 
 /// Every shipped scene that is made of joints and gravity alone.
@@ -142,7 +101,7 @@ fn five_links() -> System {
         energy_scale,
         floating_base: None,
         parts: Parts::default(),
-        mobility: Mobility::default(),
+        mobility: Mobility { tree: kinds.iter().map(|kind| kind.degrees_of_freedom()).sum(), ..Mobility::default() },
     }
 }
 
@@ -166,15 +125,17 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
     let systems = moving();
     assert!(systems.len() >= 10);
     for (system, state) in &systems {
-        let defect = |map: &dyn Fn(&State) -> State| Defect::new(system, state, map).smallest();
-        let runge_kutta = defect(&|s| runge_kutta::step(system, s, STEP));
-        let found = METHODS.map(|method| defect(&|s| step(method, system, s, STEP)));
-        println!("{:16} {} Runge-Kutta {runge_kutta:.1e}", system.name, found.map(|d| format!("{d:.1e}")).join(" "));
-        let worst = found.into_iter().fold(0.0, f64::max);
-        // measured 6e-14 (cart_pole) to 9.1e-11 (arm_6), all of it from the differences
-        assert!(worst <= 2e-10, "{}: {found:?}", system.name);
-        // measured 3.7e3 (pendulum) to 4e7 (chain_10)
-        assert!(runge_kutta >= 1e3 * worst, "{}: {runge_kutta:e}", system.name);
+        let runge_kutta = defect(system, state, &|s| runge_kutta::step(system, &s.initial, STEP));
+        let found = METHODS.map(|method| defect(system, state, &|s| first_step(method, s, STEP)));
+        let words = |d: Differenced| format!("{:.1e} ± {:.1e}", d.defect, d.error);
+        println!("{:16} {} Runge-Kutta {}", system.name, found.map(words).join(", "), words(runge_kutta));
+        for d in found {
+            assert!(d.defect <= d.error, "{}: {d:?}", system.name);
+            // measured at most 1.1e-9 (chain_10)
+            assert!(d.error <= 2.5e-9, "{}: {d:?}", system.name);
+        }
+        // measured 5.2e2 (pendulum) to 1.3e6 (chain_10)
+        assert!(runge_kutta.defect >= 200.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
     }
 }
 
@@ -183,12 +144,12 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
 #[test]
 fn the_defect_falls_with_the_reach_of_the_differences() {
     let system = five_links();
-    let ratio = |map: &dyn Fn(&State) -> State| {
-        let defect = Defect::new(&system, &system.initial, map);
-        defect.at(1e-2) / defect.at(5e-3)
+    let ratio = |map: &dyn Fn(&System) -> State| {
+        let at = |reach| defect_by(&system, &system.initial, 0.0, reach, &|from| Ok(map(from))).unwrap().amax();
+        at(1e-2) / at(5e-3)
     };
-    let rattle = METHODS.map(|method| ratio(&|s| step(method, &system, s, STEP)));
-    let runge_kutta = ratio(&|s| runge_kutta::step(&system, s, STEP));
+    let rattle = METHODS.map(|method| ratio(&|s| first_step(method, s, STEP)));
+    let runge_kutta = ratio(&|s| runge_kutta::step(&system, &s.initial, STEP));
     println!("{rattle:?} {runge_kutta}");
     // measured 62.1 to 62.5, and 1.2
     assert!(rattle.iter().all(|r| (55.0..70.0).contains(r)), "{rattle:?}");
@@ -199,7 +160,7 @@ fn the_defect_falls_with_the_reach_of_the_differences() {
 #[test]
 fn the_rates_of_a_chart_are_the_rates_of_its_coordinates() {
     for (system, start) in moving() {
-        let chart = Chart::about(&system, &system.initial);
+        let chart = PhaseChart::about(&system, &system.initial);
         let theta = chart.coordinates(&start);
         let d = chart.dimension();
         let rate = Vector::from_fn(d, |i, _| (1.0 + i as f64).sin());
@@ -212,7 +173,7 @@ fn the_rates_of_a_chart_are_the_rates_of_its_coordinates() {
         let velocity: Matrix = pose_rates(&state);
         let again = chart.coordinates(&state);
         let p = chart.momenta(&theta, &state);
-        let back = chart::twists(&chart.state_at_momenta(&theta, &p)) - chart::twists(&state);
+        let back = twists(&chart.state(&theta, &chart.rates(&theta, &p).unwrap())) - twists(&state);
         let errors = [(poses - velocity).amax(), (again - theta).amax(), back.amax()];
         println!("{:16} {errors:?}", system.name);
         // measured 5.8e-13, 5.0e-16, 3.0e-14

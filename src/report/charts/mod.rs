@@ -8,6 +8,7 @@ mod error_vs_run_time;
 mod legend;
 mod panel;
 pub mod stability_map;
+mod structure;
 mod style;
 pub mod theory;
 mod time_panels;
@@ -28,4 +29,5 @@ pub struct Chart {
 }
 
 /// All charts, in the order of the page. A new one is one file and one line here.
-pub const CHARTS: [Chart; 3] = [energy_drift::CHART, constraint_violation::CHART, error_vs_run_time::CHART];
+pub const CHARTS: [Chart; 4] =
+    [energy_drift::CHART, constraint_violation::CHART, error_vs_run_time::CHART, structure::CHART];

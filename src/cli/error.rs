@@ -11,6 +11,8 @@ use crate::mechanics::CompileError;
 use crate::model::{SceneError, SceneProblem};
 use crate::report::files::WriteError;
 use crate::report::record::ReadError;
+use crate::report::stability::record::IncompleteError;
+use crate::report::stability::store::StoreError;
 use crate::report::theory::TheoryError;
 
 /// Why a subcommand could not do its work.
@@ -54,6 +56,12 @@ pub enum CliError {
     RunFailed { engine: String, detail: String },
     #[error("{topic}: {error}")]
     Theory { topic: &'static str, error: SolveError },
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error(transparent)]
+    Incomplete(#[from] IncompleteError),
+    #[error("{path}: {cell} has another result than in a folder before it", path = path.display())]
+    TwoResults { path: PathBuf, cell: String },
     #[error("interrupted")]
     Interrupted,
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::CliError;
+use crate::engines::Spec;
 use crate::mechanics::System;
 use crate::model::Scene;
 
@@ -14,6 +15,18 @@ pub fn scene(path: &Path) -> Result<Scene, CliError> {
 /// Compiles a scene that was read from `path`.
 pub fn system(path: &Path, scene: &Scene) -> Result<System, CliError> {
     System::compile(scene).map_err(|error| CliError::Compile { input: path.to_path_buf(), error })
+}
+
+/// Reads specs, none twice.
+pub fn specs<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
+    let mut specs: Vec<Spec> = Vec::new();
+    for text in texts {
+        let spec = Spec::parse(text.as_ref())?;
+        if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
+            specs.push(spec);
+        }
+    }
+    Ok(specs)
 }
 
 /// A time that must be positive and finite.

@@ -11,9 +11,11 @@ mod input;
 mod inspect;
 mod interrupt;
 mod list;
+mod merge;
 mod progress;
 mod schema;
 mod simulate;
+mod stability;
 mod theory;
 
 use std::process::ExitCode;
@@ -35,6 +37,8 @@ enum Command {
     Inspect(inspect::Args),
     Simulate(simulate::Args),
     Compare(compare::Args),
+    Stability(stability::Args),
+    Merge(merge::Args),
     Theory(theory::Args),
     Generate(generate::Args),
     Chart(chart::Args),
@@ -48,6 +52,8 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Stability(args) => stability::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Theory(args) => theory::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Chart(args) => chart::run(&args),

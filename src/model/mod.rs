@@ -1,5 +1,6 @@
 //! What a URDF and a scene file say, as plain validated data in SI units. Nothing here knows dynamics.
 
+pub mod assemble;
 mod document;
 mod error;
 pub mod generate;

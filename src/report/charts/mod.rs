@@ -7,6 +7,7 @@ mod energy_drift;
 mod error_vs_run_time;
 mod legend;
 mod panel;
+pub mod stability_map;
 mod structure;
 mod style;
 pub mod theory;

@@ -32,6 +32,7 @@
 //! | [`report`] | records with a schema, charts and the page |
 //! | [`cli`] | one file a subcommand |
 
+pub mod check;
 pub mod cli;
 pub mod discrete;
 pub mod engines;

@@ -1,6 +1,6 @@
 //! Scenes and options that several subcommands read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::CliError;
 use crate::mechanics::System;
@@ -19,6 +19,20 @@ pub fn scene(path: &Path) -> Result<Scene, CliError> {
 /// Compiles a scene that was read from `path`.
 pub fn system(path: &Path, scene: &Scene) -> Result<System, CliError> {
     System::compile(scene).map_err(|error| CliError::Compile { input: path.to_path_buf(), error })
+}
+
+/// The scenes `*/scene.json` in a folder, by name.
+pub fn shipped(models: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let failed = |error| CliError::Read { path: models.to_path_buf(), error };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(models).map_err(failed)? {
+        let file = entry.map_err(failed)?.path().join("scene.json");
+        if file.is_file() {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 /// A time that must be positive and finite.

@@ -21,6 +21,8 @@ pub struct Comparison<'a> {
     pub budget: Duration,
     /// Threads for the traced runs. Timed runs have the machine to themselves.
     pub jobs: usize,
+    /// Whether the runs are timed as well.
+    pub timed: bool,
 }
 
 /// How far a comparison is, for a progress bar.
@@ -56,7 +58,7 @@ impl Comparison<'_> {
 
     /// Turns that the timed runs take at most.
     pub fn turns(&self) -> u64 {
-        (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
+        if self.timed { (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64 } else { 0 }
     }
 
     /// Runs everything; `interrupted` may be set from outside at any time.
@@ -73,8 +75,8 @@ impl Comparison<'_> {
                 Some(Run { engine: spec.clone(), horizon, trace: trace?, timing: None })
             })
             .collect();
-        let timed = !missing && self.time_all(&mut runs, interrupted, progress);
-        Results { runs, interrupted: !timed }
+        let done = !missing && (!self.timed || self.time_all(&mut runs, interrupted, progress));
+        Results { runs, interrupted: !done }
     }
 
     /// Traces on `jobs` threads, the runs with the most steps first.

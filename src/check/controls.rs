@@ -69,6 +69,9 @@ fn figure(finding: &Finding) -> String {
 
 /// A line for each bound, those that catch nothing last and named as such.
 pub fn text(scene: &str, controls: &[Control]) -> String {
+    if available().is_empty() {
+        return format!("{scene}: this version has none of the controls {}\n", CONTROLS.join(", "));
+    }
     let mut text = format!("{scene}: controls\n");
     let (catching, idle): (Vec<&Control>, Vec<&Control>) = controls.iter().partition(|c| !c.caught.is_empty());
     let list =

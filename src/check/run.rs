@@ -62,15 +62,12 @@ pub fn steps(units: &[Unit]) -> u64 {
 pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Results {
     let take = |unit: &Unit| {
         let progress = Progress::default();
-        let results = Comparison {
-            system,
-            engines: &unit.engines,
-            horizons: &[unit.horizon],
-            budget: Duration::MAX,
-            jobs: 1,
-            timed: unit.timed,
-        }
-        .run(settings.interrupted, &progress);
+        let comparison =
+            Comparison { system, engines: &unit.engines, horizons: &[unit.horizon], budget: Duration::MAX, jobs: 1 };
+        let results = match unit.timed {
+            true => comparison.run(settings.interrupted, &progress),
+            false => comparison.trace(settings.interrupted, &progress),
+        };
         settings.taken.fetch_add(unit.engines.len() as u64 * unit.horizon.steps, Ordering::Relaxed);
         results
     };

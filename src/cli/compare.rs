@@ -86,7 +86,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             horizons: &task.horizons,
             budget,
             jobs: jobs.unwrap_or(1),
-            timed: true,
         };
         compare(task, &comparison, interrupted)?;
     }

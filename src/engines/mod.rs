@@ -12,6 +12,8 @@ use std::fmt;
 
 use crate::mechanics::{State, System};
 
+#[doc(hidden)]
+pub use rattle::faulty;
 pub use spec::{Choice, Key, Number, Spec, SpecError};
 
 /// Something that advances a system by a fixed step.

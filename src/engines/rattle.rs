@@ -3,7 +3,7 @@
 use super::{Choice, Engine, Entry, Key, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 use crate::variational::composition;
-use crate::variational::{Failure, Rattle, Rotation};
+use crate::variational::{Failure, Fault, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -25,6 +25,19 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    Ok(Box::new(engine(spec, system, step)?))
+}
+
+/// An engine `rattle` with a planted fault, for tests of what checks catch.
+///
+/// # Errors
+/// As [`super::build`].
+pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<Box<dyn Engine>, Unsupported> {
+    let sound = engine(spec, system, step)?;
+    Ok(Box::new(RattleEngine { rattle: sound.rattle.with_fault(fault), ..sound }))
+}
+
+fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsupported> {
     let names = |i: usize| (system.bodies[i].name.clone(), system.bodies[i].joint.name.clone());
     let order = spec.word(&ORDER);
     let composition =
@@ -48,15 +61,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     let rattle = rattle.with_rotation(rotation);
     let names = (0..system.bodies.len()).map(names).collect();
     let substeps = composition.weights().map(|w| w * step).collect();
-    Ok(Box::new(RattleEngine {
-        rattle,
-        substeps,
-        step,
-        taken: 0,
-        names,
-        before: system.initial.clone(),
-        failed: false,
-    }))
+    Ok(RattleEngine { rattle, substeps, step, taken: 0, names, before: system.initial.clone(), failed: false })
 }
 
 /// A composition of RATTLE steps at a fixed step.

@@ -21,8 +21,6 @@ pub struct Comparison<'a> {
     pub budget: Duration,
     /// Threads for the traced runs. Timed runs have the machine to themselves.
     pub jobs: usize,
-    /// Whether the runs are timed as well.
-    pub timed: bool,
 }
 
 /// How far a comparison is, for a progress bar.
@@ -58,25 +56,33 @@ impl Comparison<'_> {
 
     /// Turns that the timed runs take at most.
     pub fn turns(&self) -> u64 {
-        if self.timed { (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64 } else { 0 }
+        (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
     }
 
     /// Runs everything; `interrupted` may be set from outside at any time.
     pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
+        let mut results = self.trace(interrupted, progress);
+        if !results.interrupted {
+            results.interrupted = !self.time(&mut results.runs, interrupted, progress);
+        }
+        results
+    }
+
+    /// The traced runs alone.
+    pub fn trace(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
         let cases: Vec<(&Spec, Horizon)> =
             self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
         let limits = Limits { budget: self.budget, interrupted, taken: &progress.traced };
         let traces = self.trace_all(&cases, &limits);
         let missing = traces.iter().any(Option::is_none);
-        let mut runs: Vec<Run> = cases
+        let runs: Vec<Run> = cases
             .into_iter()
             .zip(traces)
             .filter_map(|((spec, horizon), trace)| {
                 Some(Run { engine: spec.clone(), horizon, trace: trace?, timing: None })
             })
             .collect();
-        let done = !missing && (!self.timed || self.time_all(&mut runs, interrupted, progress));
-        Results { runs, interrupted: !done }
+        Results { runs, interrupted: missing }
     }
 
     /// Traces on `jobs` threads, the runs with the most steps first.
@@ -112,7 +118,7 @@ impl Comparison<'_> {
     }
 
     /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.
-    fn time_all(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
+    fn time(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
         let worth = |run: &Run| match run.trace.outcome {
             Outcome::Completed | Outcome::OverBudget { .. } => run.trace.steps > 0,
             _ => false,

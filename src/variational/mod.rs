@@ -7,6 +7,8 @@
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+#[doc(hidden)]
+pub mod fault;
 mod joints;
 mod newton;
 mod predictor;
@@ -15,5 +17,7 @@ pub mod rotation;
 mod spatial;
 mod tree;
 
+#[doc(hidden)]
+pub use fault::Fault;
 pub use rattle::{Failure, Rattle};
 pub use rotation::Rotation;

@@ -27,6 +27,7 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
+use super::fault::{Fault, LOOSE};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
@@ -117,6 +118,10 @@ pub struct Rattle {
     length: f64,
     /// Rounds of the constraint iteration since the start.
     rounds: u64,
+    /// A planted fault, the residual at which it ends the iteration, and the impulses that it carries over.
+    fault: Option<Fault>,
+    tolerance: f64,
+    carried: Option<Vec<Wrench>>,
 }
 
 impl Rattle {
@@ -182,6 +187,9 @@ impl Rattle {
             time: 0.0,
             length: if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 },
             rounds: 0,
+            fault: None,
+            tolerance: 0.0,
+            carried: None,
             nodes,
         };
         rattle.factorise()?;
@@ -192,6 +200,18 @@ impl Rattle {
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
     pub fn with_rotation(self, rotation: Rotation) -> Rattle {
         Rattle { rotation, ..self }
+    }
+
+    /// Plants a fault, for tests of what checks catch.
+    #[doc(hidden)]
+    pub fn with_fault(mut self, fault: Fault) -> Rattle {
+        match fault {
+            Fault::LooseTolerance => self.tolerance = LOOSE,
+            Fault::WarmBodyImpulses => self.carried = Some(vec![Spatial::ZERO; self.nodes.len()]),
+            Fault::DampingSign => self.nodes.iter_mut().for_each(|node| node.damping = -node.damping),
+            Fault::PlainSums | Fault::DroppedMultiplier => {}
+        }
+        Rattle { fault: Some(fault), ..self }
     }
 
     /// Takes one step of size `h` (s). After a failure the state is the one before the step.
@@ -214,16 +234,37 @@ impl Rattle {
             body.q.add(&rotation_increment(&pose.q, &trial.s));
             *pose = Pose::new(body.x.value, body.q.value);
         }
+        self.carry(h);
+        self.forget();
         self.factorise()?;
         self.project_momenta(h);
+        self.forget();
         self.time += h;
         Ok(())
+    }
+
+    /// [`Fault::WarmBodyImpulses`]: keeps what the joints did to the bodies in the first half kick.
+    fn carry(&mut self, h: f64) {
+        let Some(carried) = &mut self.carried else { return };
+        for i in 1..carried.len() {
+            let gravity = Spatial::new(0.5 * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
+            carried[i] = self.trial[i].kick - gravity;
+        }
+    }
+
+    /// [`Fault::PlainSums`]: drops what the sums keep beside their values.
+    fn forget(&mut self) {
+        if self.fault == Some(Fault::PlainSums) {
+            for body in &mut self.bodies {
+                (body.x.forget(), body.q.forget(), body.p.forget(), body.pi.forget());
+            }
+        }
     }
 
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
     fn solve_constraints(&mut self, h: f64) -> Result<(), Failure> {
         // A high degree starts closer, a low one survives a violent moment.
-        let mut degree = self.predictor.degree();
+        let mut degree = self.predictor.degree().filter(|_| self.carried.is_none());
         loop {
             match degree {
                 Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose, &mut self.wrench),
@@ -245,6 +286,7 @@ impl Rattle {
         loop {
             self.kick_and_drift(h)?;
             let (joint, residual, roundoff) = self.measure_mismatch(h);
+            let roundoff = roundoff.max(self.tolerance);
             if !residual.is_finite() {
                 return Err(Failure::NotFinite { body: joint });
             }
@@ -273,6 +315,9 @@ impl Rattle {
     fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
         for i in 1..self.nodes.len() {
             self.trial[i].kick = Spatial::new(0.5 * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
+        }
+        if let Some(carried) = &self.carried {
+            self.trial.iter_mut().zip(carried).for_each(|(trial, impulse)| trial.kick += *impulse);
         }
         for i in 1..self.nodes.len() {
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
@@ -311,7 +356,7 @@ impl Rattle {
             let gap = moved.locked(node, place, parent) + self.gap0[i];
             let mut size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
-            if node.damping > 0.0 {
+            if node.damping != 0.0 {
                 self.travel[i] = moved.travel(node, place, parent);
                 self.along[i] = coordinates_of(node, place, &self.wrench[i]) + 0.5 * node.damping * self.travel[i];
                 size += h.abs() * self.along[i].norm() * self.compliance(i);
@@ -378,7 +423,7 @@ impl Rattle {
             self.trial[i].kick = Spatial::new(0.5 * h * nodes[i].mass * self.gravity, Vector3::zeros());
         }
         if self.damped.is_some() && h > 0.0 {
-            for i in (1..nodes.len()).filter(|&i| nodes[i].damping > 0.0) {
+            for i in (1..nodes.len()).filter(|&i| nodes[i].damping != 0.0) {
                 let impulse = along_joint(&nodes[i], &self.places[i], &(-0.5 * nodes[i].damping * self.travel[i]));
                 add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
             }
@@ -397,6 +442,11 @@ impl Rattle {
             // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
             keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
+        }
+        if self.fault == Some(Fault::DroppedMultiplier) {
+            let axis = self.places[1].axes.column(0).into_owned();
+            let lost = Spatial::new(-axis * axis.dot(&self.wrench[1].linear), Vector3::zeros());
+            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, 1, &lost);
         }
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear);

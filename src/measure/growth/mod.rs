@@ -10,14 +10,15 @@
 //! 1. `blow_up` where the engine diverged or the error exceeds ten times the energy scale;
 //! 2. not judged in fewer than [`MIN_STEPS`] steps;
 //! 3. `bounded` where it never leaves the roundoff of the energy, [`ROUNDOFF`];
-//! 4. growing by the *trend rule* where the straight line through the means of the parts changes by at least `3/4 a` over
-//!    the run and its t statistic is at least 3. The statistic is reduced by `sqrt((1 - r) / (1 + r))`, with `r` the
+//! 4. growing by the *widening rule* where the logarithm of the half-widths of the blocks, averaged over each part, rises by
+//!    at least 0.4 over the run, and either its t statistic is at least 3.5 and `R` of the half-widths at least 0.01, or it
+//!    is at least 2.5 and the half-widths of the parts rise likewise, with a t statistic of at least 3.5;
+//! 5. growing by the *trend rule* where the straight line through the means of the parts changes by at least `3/4 a` over
+//!    the run and its t statistic is at least 3. Every t statistic is reduced by `sqrt((1 - r) / (1 + r))`, with `r` the
 //!    correlation of neighbouring residuals, for an error that remembers (Santer et al., J. Geophys. Res. 105, 2000);
-//! 5. growing by the *wander rule* where the means of the parts, their largest and their smallest values each cover a
+//! 6. growing by the *wander rule* where the means of the parts, their largest and their smallest values each cover a
 //!    range of at least `1.7 a`, where the ratio `R` is at least 0.01, and where the exponent of what a straight line
 //!    leaves of `m` is at least 1/4;
-//! 6. growing by the *widening rule* where the half-widths of the parts and those of the blocks, averaged over each part,
-//!    rise by at least 0.4 of their median over the run, with t statistics of at least 3.5 and 2.5;
 //! 7. else `bounded`: no growth was established.
 //!
 //! `R` is the mean square of the running sum of a series without its mean, over the mean square of the series and the
@@ -25,7 +26,7 @@
 //! window. It is `1/(4 pi^2 n^2)` for `n` swings in the run, about `tau/(3 T)` for noise with correlation time `tau`, 0.05
 //! for a random walk and 0.1 for a line.
 //!
-//! A growing error is a `random_walk` where what a straight line leaves of it behaves like one: exponent between 1/4 and
+//! An error that widens is a `drift`. Another that grows is a `random_walk` where what a straight line leaves of it behaves like one: exponent between 1/4 and
 //! 3/4, `R` at least 0.0015, and less than 95 % of the variance explained by the line. Else it is a `drift`.
 //!
 //! # The exponent
@@ -78,7 +79,7 @@ const TREND_T: f64 = 3.0;
 const WANDER: f64 = 1.7;
 const WANDER_EXPONENT: f64 = 0.25;
 
-/// Widening rule: change over the run, in half-widths, and t statistics of parts and of blocks.
+/// Widening rule: change of the logarithm over the run, and t statistics of parts and of blocks.
 const WIDENING: f64 = 0.4;
 const WIDENING_T: f64 = 3.5;
 const WIDENING_FINE_T: f64 = 2.5;
@@ -190,6 +191,9 @@ fn slope_per_s(blocks: &[Stretch]) -> f64 {
 fn judge(blocks: &[Stretch]) -> (Verdict, Exponent) {
     let means: Vec<f64> = blocks.iter().map(|b| b.error.mean).collect();
     let parts = Parts::of(blocks);
+    if widens(blocks, &parts) {
+        return (Verdict::Drift, power_law(&parts.half_width));
+    }
     let line = Line::through(&means);
     let trend = Line::through(&parts.mean);
     let left = haar_exponent(&line.residual);
@@ -205,14 +209,16 @@ fn judge(blocks: &[Stretch]) -> (Verdict, Exponent) {
             false => (Verdict::Drift, power_law(&parts.mean)),
         };
     }
-    let widths = Line::through(&parts.half_width);
-    let fine = averages(&blocks.iter().map(|b| b.error.half_width()).collect::<Vec<f64>>());
-    let finer = Line::through(&fine);
-    let widens = widths.change >= WIDENING * parts.band && widths.t() >= WIDENING_T;
-    if widens && finer.change >= WIDENING * median(fine) && finer.t() >= WIDENING_FINE_T {
-        return (Verdict::Drift, power_law(&parts.half_width));
-    }
     no_growth(trend.largest_change() / (2.0 * parts.band))
+}
+
+/// Rule 4.
+fn widens(blocks: &[Stretch], parts: &Parts) -> bool {
+    let fine: Vec<f64> = blocks.iter().map(|b| b.error.half_width()).collect();
+    let (coarse, finer) = (Line::through(&logarithms(&parts.half_width)), Line::through(&logarithms(&averages(&fine))));
+    let steady = finer.t() >= WIDENING_T && slowness(&fine) >= SLOW;
+    let both = coarse.change >= WIDENING && coarse.t() >= WIDENING_T && finer.t() >= WIDENING_FINE_T;
+    finer.change >= WIDENING && (steady || both)
 }
 
 /// Exponent 0. A spread of 1 that a drift widens by `excess` over the run grows like `1 + excess t`, which between half of
@@ -262,6 +268,10 @@ impl Parts {
         };
         range(&self.mean).min(range(&self.max)).min(range(&self.min))
     }
+}
+
+fn logarithms(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|x| x.max(f64::MIN_POSITIVE).ln()).collect()
 }
 
 fn averages(values: &[f64]) -> Vec<f64> {

@@ -128,7 +128,7 @@ fn weighted_slope(octaves: &[Octave]) -> (f64, f64, f64) {
     (slope, xx.recip().sqrt(), misfit)
 }
 
-/// Fits `a + c t^p` to values at the middles of equal parts of the run.
+/// Fits `a + c t^p` to means over equal parts of the run.
 pub(super) fn power_law(values: &[f64]) -> Exponent {
     let grid: Vec<f64> = (5..=500).map(|k| f64::from(k) * 0.01).collect();
     let fits: Vec<(f64, Vec<f64>)> = grid.iter().map(|p| power_fit(values, *p)).collect();
@@ -144,7 +144,9 @@ pub(super) fn power_law(values: &[f64]) -> Exponent {
 /// Sum of squares and residuals of the best `a + c t^p`.
 fn power_fit(values: &[f64], p: f64) -> (f64, Vec<f64>) {
     let n = values.len() as f64;
-    let x: Vec<f64> = (0..values.len()).map(|i| ((i as f64 + 0.5) / n).powf(p)).collect();
+    // The mean of t^p over each part, but for a factor.
+    let x: Vec<f64> =
+        (0..values.len()).map(|i| ((i as f64 + 1.0) / n).powf(p + 1.0) - (i as f64 / n).powf(p + 1.0)).collect();
     let (mx, my) = (mean(&x), mean(values));
     let xx: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
     let xy: f64 = x.iter().zip(values).map(|(x, y)| (x - mx) * (y - my)).sum();
@@ -217,7 +219,8 @@ mod tests {
     #[test]
     fn powers_are_found() {
         for p in [0.5, 1.0, 2.0] {
-            let values: Vec<f64> = (0..16).map(|i| 3.0 + ((f64::from(i) + 0.5) / 16.0).powf(p)).collect();
+            let integral = |i: i32| (f64::from(i) / 16.0).powf(p + 1.0) / (p + 1.0);
+            let values: Vec<f64> = (0..16).map(|i| 3.0 + 16.0 * (integral(i + 1) - integral(i))).collect();
             let found = power_law(&values);
             assert!((found.value - p).abs() < 1e-9 && found.low <= p && found.high >= p, "{p}: {found:?}");
         }

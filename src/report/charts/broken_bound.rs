@@ -1,12 +1,13 @@
-//! A run with a bound that it broke: the figure against time and the bound drawn in.
+//! A run with a bound that it broke: the largest values in [`INTERVALS`](time_panels::INTERVALS) intervals of time, and the
+//! bound drawn in.
 
 use super::super::number::duration;
 use super::super::record::{Run, Series};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
-use super::legend;
 use super::panel::{Panel, Words};
 use super::style::{BLUE, Look, Marker, VERMILLION};
+use super::{legend, time_panels};
 
 /// What the chart tells beside the run.
 #[derive(Debug)]
@@ -65,8 +66,15 @@ pub fn draw(run: &Run, broken: &Broken) -> Result<Vec<u8>, ChartError> {
         let panel = Panel::new(&area, x, y, Words { heading: "", x: "time, s", y: Some(&axis) })?;
         for level in &levels {
             panel.line(level, BOUND, 3, true)?;
-            for point in level.first().into_iter().chain(level.last()) {
-                panel.mark(*point, BOUND, false)?;
+            for k in [1, 5] {
+                let (from, to) = (level[0], level[level.len() - 1]);
+                let along = f64::from(k) / 6.0;
+                let point = if level.len() == 2 {
+                    (from.0 + along * (to.0 - from.0), to.1)
+                } else {
+                    level[k as usize * level.len() / 6]
+                };
+                panel.mark(point, BOUND, false)?;
             }
         }
         panel.line(&curve, THIS, 2, false)?;
@@ -107,7 +115,9 @@ fn is_law(metric: &str) -> bool {
 
 fn curve(run: &Run, broken: &Broken) -> Vec<(f64, f64)> {
     let series = run.series.as_ref().zip(series_of(broken.metric));
-    let points = series.map(|(series, (_, values))| series.time_s.iter().copied().zip(values(series)).collect());
+    let points = series.map(|(series, (_, values))| {
+        time_panels::largest_in_intervals(&series.time_s, &values(series), run.duration_s)
+    });
     match points {
         Some(points) if !Vec::is_empty(&points) => points,
         _ => broken.figure.map(|x| vec![(0.0, x.abs()), (run.duration_s, x.abs())]).unwrap_or_default(),

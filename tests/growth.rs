@@ -253,7 +253,7 @@ fn a_band_that_widens_is_mostly_found() {
         };
         let found = SEEDS.take(300).filter(|&seed| widening(seed) > Verdict::Bounded).count();
         eprintln!("{name} {found}");
-        assert!(found >= 200, "{name}: {found} of 300");
+        assert!(found >= 150, "{name}: {found} of 300");
     }
 }
 

@@ -1,8 +1,8 @@
 //! Comparison with an earlier report: what has become worse by more than its margin.
 //!
 //! An error is worse when its size is more than [`FACTOR`] times the earlier one and more than roundoff. A verdict is worse
-//! when it comes later in `bounded`, `random_walk`, `drift`, `blow_up`. Processor time is compared as the ratio of two
-//! engines of the same report only, and is worse when that ratio has grown by more than [`TIME_FACTOR`]: a slower machine
+//! when it comes later in `bounded`, `random_walk`, `drift`, `blow_up`. Processor time is compared as the ratio of `rattle`
+//! to another engine in the same report only, and is worse when that ratio has grown by more than [`TIME_FACTOR`]: a slower machine
 //! changes no ratio.
 
 use super::requirement::shown;
@@ -57,6 +57,12 @@ fn same_horizon(a: &Run, b: &Run) -> bool {
     a.step_s == b.step_s && a.steps == b.steps
 }
 
+/// The same run in another report, a timed one where there is one.
+fn again<'a>(report: &'a Report, run: &Run) -> Option<&'a Run> {
+    let same = report.runs.iter().filter(|r| r.engine == run.engine && same_horizon(r, run));
+    same.max_by_key(|r| r.time.is_some())
+}
+
 /// A figure that has become worse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worse {
@@ -70,7 +76,7 @@ pub struct Worse {
 pub fn compare(earlier: &Report, now: &Report) -> (usize, Vec<Worse>) {
     let (mut compared, mut worse) = (0, Vec::new());
     for old in earlier.runs.iter().filter(|r| r.outcome == Outcome::Completed) {
-        let Some(new) = now.runs.iter().find(|r| r.engine == old.engine && same_horizon(r, old)) else { continue };
+        let Some(new) = again(now, old) else { continue };
         let mut tell = |metric: &str, was: String, is: String| {
             let sentence =
                 format!("{}, {} steps of {} s: {metric} was {was} and is {is}", old.engine, old.steps, old.step_s);
@@ -102,13 +108,15 @@ fn worsened(metric: &Metric, was: f64, is: f64) -> bool {
     }
 }
 
-/// Processor time of a run over that of every other engine with the same horizon, in both reports.
+/// Processor time of a run of `rattle` over that of every other engine with the same horizon, in both reports. Only so:
+/// a `rattle` that has become faster must not count against another engine.
 fn ratios(earlier: &Report, now: &Report, old: &Run, new: &Run) -> Vec<(String, f64, f64)> {
     let time = |run: &Run| run.time.as_ref().map(|t| t.us_per_step);
+    let ours = |run: &Run| run.engine.split(':').next() == Some("rattle");
     let mut found = Vec::new();
-    for other in earlier.runs.iter().filter(|r| r.engine != old.engine && same_horizon(r, old)) {
-        let again = now.runs.iter().find(|r| r.engine == other.engine && same_horizon(r, other));
-        if let (Some(a), Some(b), Some(c), Some(d)) = (time(old), time(other), time(new), again.and_then(time)) {
+    for other in earlier.runs.iter().filter(|r| ours(old) && !ours(r) && same_horizon(r, old)) {
+        let rerun = again(now, other);
+        if let (Some(a), Some(b), Some(c), Some(d)) = (time(old), time(other), time(new), rerun.and_then(time)) {
             found.push((format!("time.us_per_step_ratio to {}", other.engine), a / b, c / d));
         }
     }

@@ -12,7 +12,7 @@ pub enum Fault {
     WarmBodyImpulses,
     /// Dampers push.
     DampingSign,
-    /// The second half kick forgets one force component of the first joint.
+    /// The first half kick forgets one force component of the first joint after the drift.
     DroppedMultiplier,
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use assert_cmd::Command;
 
 const SCENE: &str = "tests/check/scene.json";
-const PENDULUM: &str = "models/double_pendulum/scene.json";
+const PENDULUM: &str = "models/pendulum/scene.json";
 
 fn rattlebench(arguments: &[&str]) -> Command {
     let mut command = assert_cmd::cargo::cargo_bin_cmd!("rattlebench");
@@ -64,10 +64,7 @@ fn a_broken_bound_ends_with_1_and_is_told_in_every_form() {
     assert_eq!(stderr, "error: 1 of 2 bounds broken\n");
     assert!(stdout.contains("  BROKEN\n"), "{stdout}");
     let annotation = stdout.lines().find(|line| line.starts_with("::error file=")).expect("an annotation");
-    assert!(
-        annotation.contains("title=double_pendulum%3A energy.max_relative_error::rattle, 3000 steps"),
-        "{annotation}"
-    );
+    assert!(annotation.contains("title=pendulum%3A energy.max_relative_error::rattle, 3000 steps"), "{annotation}");
 
     let xml = fs::read_to_string(&junit).unwrap();
     let xml = roxmltree::Document::parse(&xml).unwrap();
@@ -78,7 +75,7 @@ fn a_broken_bound_ends_with_1_and_is_told_in_every_form() {
     let text = fs::read_to_string(&summary).unwrap();
     assert!(text.contains("1 of 2 bounds broken") && text.contains("| ❌ | `rattle` | 0.01 | 3000 |"), "{text}");
     assert_eq!(fs::read_to_string(&job).unwrap(), format!("before\n{text}"));
-    let chart = folder.path().join("out/double_pendulum/broken_1_energy_max_relative_error.png");
+    let chart = folder.path().join("out/pendulum/broken_1_energy_max_relative_error.png");
     assert!(fs::read(&chart).unwrap().starts_with(b"\x89PNG"), "{}", chart.display());
     assert!(text.contains("broken_1_energy_max_relative_error.png"), "{text}");
 
@@ -112,7 +109,7 @@ fn malformed_bounds_end_with_2_and_list_what_exists() {
     );
     refused("rattle", r#""metric": "time.us_per_step_ratio", "max": 1"#, "needs \"against\"");
     refused("rattle", r#""metric": "energy.verdict", "maximum": 1"#, "maximum");
-    let bare = "models/double_pendulum/double_pendulum.urdf";
+    let bare = "models/pendulum/pendulum.urdf";
     let (_, stderr) = run(&mut rattlebench(&["check", bare]), 2);
     assert!(
         stderr.contains("has no bounds to check; add \"bounds\" to the scene, give them by --bounds, or let check")
@@ -145,7 +142,7 @@ fn what_is_proposed_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let file = bounds(folder.path(), "rattle", &[KEPT]);
     let (stdout, _) = checked(folder.path(), &file, &["--propose"], 0);
-    let proposed = folder.path().join("out/double_pendulum/bounds.json");
+    let proposed = folder.path().join("out/pendulum/bounds.json");
     assert_eq!(fs::read_to_string(&proposed).unwrap(), stdout);
     assert!(stdout.matches("\"metric\"").count() >= 4 && stdout.contains("\"bounded\""), "{stdout}");
     let (stdout, _) = checked(folder.path(), &proposed.display().to_string(), &[], 0);
@@ -165,7 +162,7 @@ fn a_figure_that_worsened_against_a_baseline_ends_with_1() {
     let folder = tempfile::tempdir().unwrap();
     let file = bounds(folder.path(), "rattle", &[KEPT]);
     checked(folder.path(), &file, &[], 0);
-    let report = folder.path().join("out/double_pendulum/report.json");
+    let report = folder.path().join("out/pendulum/report.json");
     let earlier = folder.path().join("earlier.json").display().to_string();
     fs::copy(&report, &earlier).unwrap();
     let (stdout, _) = checked(folder.path(), &file, &["--baseline", &earlier], 0);

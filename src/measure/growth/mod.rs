@@ -50,7 +50,9 @@
 //! | bursts of very different height at random times, about 35 in the run | not `bounded` | 2 % |
 //!
 //! A run of fewer than three swings is judged as if its swing were growth: an error of which a run sees only a part of a
-//! swing cannot be told from one that grows. A drift of less than three quarters of the band is not seen.
+//! swing cannot be told from one that grows. So it is with a chaotic motion that has not yet visited all places where its
+//! error is large: over 30 s the error of a double pendulum widens, over 100 s it does not. A drift of less than three
+//! quarters of the band is not seen.
 
 mod statistics;
 
@@ -191,14 +193,14 @@ fn slope_per_s(blocks: &[Stretch]) -> f64 {
 fn judge(blocks: &[Stretch]) -> (Verdict, Exponent) {
     let means: Vec<f64> = blocks.iter().map(|b| b.error.mean).collect();
     let parts = Parts::of(blocks);
-    if widens(blocks, &parts) {
-        return (Verdict::Drift, power_law(&parts.half_width));
-    }
     let line = Line::through(&means);
     let trend = Line::through(&parts.mean);
     let left = haar_exponent(&line.residual);
     let drifts = trend.change.abs() >= TREND * parts.band && trend.t() >= TREND_T;
     let wanders = parts.range() >= WANDER * parts.band && slowness(&means) >= SLOW && left.value >= WANDER_EXPONENT;
+    if widens(blocks, &parts) {
+        return (Verdict::Drift, power_law(if drifts || wanders { &parts.mean } else { &parts.half_width }));
+    }
     if drifts || wanders {
         let walks = left.value >= WANDER_EXPONENT
             && left.value < WALK_EXPONENT

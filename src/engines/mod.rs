@@ -10,7 +10,7 @@ mod spec;
 
 use std::fmt;
 
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 
 #[doc(hidden)]
 pub use rattle::faulty;
@@ -58,6 +58,8 @@ pub struct Entry {
     pub name: &'static str,
     pub summary: &'static str,
     pub keys: &'static [Key],
+    /// What of a system beside its tree of bodies the engine has means for.
+    pub parts: &'static [Part],
     build: Build,
 }
 
@@ -75,5 +77,8 @@ pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY];
 /// # Errors
 /// The engine has no means for something that the system needs.
 pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    if let Some(part) = system.parts.kinds().find(|part| !spec.entry().parts.contains(part)) {
+        return Err(Unsupported { engine: spec.to_string(), what: part.name().to_string() });
+    }
     (spec.entry().build)(spec, system, step)
 }

@@ -4,8 +4,15 @@
 //! [`System`] and one step size, and hands out states in the form of [`State`]. It is never asked for its own energy:
 //! every figure is computed from its states by `measure`.
 
+mod dop853;
+mod explicit_euler;
+mod galerkin;
+mod joint_coordinates;
 pub mod rapier;
 mod rattle;
+pub mod reference;
+mod rk4;
+mod semi_implicit_euler;
 mod spec;
 
 use std::fmt;
@@ -70,7 +77,16 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY];
+pub static ENGINES: &[Entry] = &[
+    rattle::ENTRY,
+    galerkin::ENTRY,
+    rapier::ENTRY,
+    dop853::ENTRY,
+    rk4::ENTRY,
+    semi_implicit_euler::ENTRY,
+    explicit_euler::ENTRY,
+    reference::ENTRY,
+];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///

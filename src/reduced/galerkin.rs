@@ -51,6 +51,9 @@ pub struct Galerkin {
     p: Compensated,
     u: Vec<f64>,
     stages: Vec<Stage>,
+    /// `h b_j qdot_j` and `h b_j pdot_j`, stage by stage.
+    q_steps: Vec<f64>,
+    p_steps: Vec<f64>,
     end: Point,
     history: History,
     /// Room for one vector of velocities.
@@ -59,7 +62,7 @@ pub struct Galerkin {
     rounds: u64,
 }
 
-/// One stage: positions, momenta, velocities, and their rates times `h b_j`.
+/// One stage: positions, momenta and velocities, and what the equations say there.
 #[derive(Clone, Debug)]
 struct Stage {
     point: Point,
@@ -68,8 +71,6 @@ struct Stage {
     u: Vec<f64>,
     m: Vec<f64>,
     force: Vec<f64>,
-    q_step: Vec<f64>,
-    p_step: Vec<f64>,
 }
 
 impl Stage {
@@ -82,23 +83,23 @@ impl Stage {
             u: velocities(),
             m: velocities(),
             force: velocities(),
-            q_step: positions(),
-            p_step: positions(),
         }
     }
 
-    fn find_position_step(&mut self, model: &Model, h_b: f64) {
-        model.rates(&self.q, &self.u, &mut self.q_step);
-        self.q_step.iter_mut().for_each(|x| *x *= h_b);
+    /// `h b qdot`
+    fn position_step(&self, model: &Model, h_b: f64, out: &mut [f64]) {
+        model.rates(&self.q, &self.u, out);
+        out.iter_mut().for_each(|x| *x *= h_b);
     }
 
     fn evaluate(&mut self, model: &Model) {
         self.point.evaluate(model, &self.q, &self.u, &mut self.m, &mut self.force);
     }
 
-    fn find_momentum_step(&mut self, model: &Model, h_b: f64) {
-        momentum_rates(model, &self.q, &self.p, &self.u, &self.force, &mut self.p_step);
-        self.p_step.iter_mut().for_each(|x| *x *= h_b);
+    /// `h b pdot`
+    fn momentum_step(&self, model: &Model, h_b: f64, out: &mut [f64]) {
+        momentum_rates(model, &self.q, &self.p, &self.u, &self.force, out);
+        out.iter_mut().for_each(|x| *x *= h_b);
     }
 }
 
@@ -119,6 +120,8 @@ impl Galerkin {
             steps: step_weights(&gauss, step),
             over_scale: 1.0 / energy_scale,
             stages: vec![Stage::new(&model); stages],
+            q_steps: vec![0.0; stages * q.len()],
+            p_steps: vec![0.0; stages * q.len()],
             history: History::new(&gauss, &u),
             before: vec![0.0; u.len()],
             right: m,
@@ -142,10 +145,8 @@ impl Galerkin {
             self.history.used = 1;
             self.solve_stages()?;
         }
-        for stage in &self.stages {
-            self.q.collect(&stage.q_step);
-            self.p.collect(&stage.p_step);
-        }
+        self.q_steps.chunks_exact(self.q.value.len()).for_each(|step| self.q.collect(step));
+        self.p_steps.chunks_exact(self.p.value.len()).for_each(|step| self.p.collect(step));
         self.q.advance();
         self.p.advance();
         self.before.copy_from_slice(&self.u);
@@ -183,52 +184,54 @@ impl Galerkin {
         for (i, stage) in self.stages.iter_mut().enumerate() {
             self.history.extrapolate(i, &mut stage.u);
             stage.q.copy_from_slice(&self.q.value);
-            stage.find_position_step(&self.model, self.steps[i]);
         }
-        for _ in 0..self.model.turns() {
+        for _ in 0..=self.model.turns() {
             self.place_stages();
-            for (stage, h_b) in self.stages.iter_mut().zip(&self.steps) {
-                stage.find_position_step(&self.model, *h_b);
-            }
         }
-        self.place_stages();
-        for (stage, h_b) in self.stages.iter_mut().zip(&self.steps) {
+        let steps = self.p_steps.chunks_exact_mut(self.p.value.len());
+        for ((stage, h_b), p_step) in self.stages.iter_mut().zip(&self.steps).zip(steps) {
             stage.evaluate(&self.model);
             stage.point.factorise(&self.model).ok_or(Failure::Singular)?;
             canonical(&self.model, &stage.q, &stage.m, &mut stage.p);
-            stage.find_momentum_step(&self.model, *h_b);
+            stage.momentum_step(&self.model, *h_b, p_step);
         }
         Ok(())
     }
 
     /// (1)
     fn place_stages(&mut self) {
-        couple(&mut self.stages, &self.gauss, &self.q.value, |s| &mut s.q, |s| &s.q_step);
+        let steps = self.q_steps.chunks_exact_mut(self.q.value.len());
+        for ((stage, h_b), q_step) in self.stages.iter().zip(&self.steps).zip(steps) {
+            stage.position_step(&self.model, *h_b, q_step);
+        }
+        for (stage, mu) in self.stages.iter_mut().zip(self.gauss.mu.chunks_exact(self.steps.len())) {
+            couple(mu, &self.q.value, &self.q_steps, &mut stage.q);
+        }
     }
 
     /// One round: (2), then (3) for the velocities, then (1) and the rates. Returns the largest correction.
     fn correct(&mut self) -> f64 {
-        couple(&mut self.stages, &self.gauss, &self.p.value, |s| &mut s.p, |s| &s.p_step);
         let mut largest = 0.0f64;
-        for (stage, h_b) in self.stages.iter_mut().zip(&self.steps) {
+        for (stage, mu) in self.stages.iter_mut().zip(self.gauss.mu.chunks_exact(self.steps.len())) {
+            couple(mu, &self.p.value, &self.p_steps, &mut stage.p);
             along_velocities(&self.model, &stage.q, &stage.p, &mut self.right);
             let residual = &mut stage.m;
-            for (residual, m) in residual.iter_mut().zip(&self.right) {
-                *residual = m - *residual;
+            for (residual, m) in residual.iter_mut().zip(&mut self.right) {
+                *residual = *m - *residual;
+                *m = *residual;
             }
-            self.right.copy_from_slice(residual);
             stage.point.solve(&self.model, &mut self.right);
             let work: f64 = residual.iter().zip(&self.right).map(|(r, du)| r * du).sum();
-            largest = if work.is_nan() { f64::NAN } else { largest.max(work.abs()) };
+            largest = if work.is_nan() || largest.is_nan() { f64::NAN } else { largest.max(work.abs()) };
             for (u, du) in stage.u.iter_mut().zip(&self.right) {
                 *u += du;
             }
-            stage.find_position_step(&self.model, *h_b);
         }
         self.place_stages();
-        for (stage, h_b) in self.stages.iter_mut().zip(&self.steps) {
+        let steps = self.p_steps.chunks_exact_mut(self.p.value.len());
+        for ((stage, h_b), p_step) in self.stages.iter_mut().zip(&self.steps).zip(steps) {
             stage.evaluate(&self.model);
-            stage.find_momentum_step(&self.model, *h_b);
+            stage.momentum_step(&self.model, *h_b, p_step);
         }
         (largest * self.over_scale).sqrt()
     }
@@ -249,21 +252,17 @@ fn step_weights(gauss: &Gauss, step: f64) -> Vec<f64> {
     gauss.weights.iter().map(|b| b * step).collect()
 }
 
-/// `y_i = y0 + sum_j mu_ij L_j`.
+/// `y_i = y0 + sum_j mu_ij L_j` for one stage.
 #[inline(always)]
-fn couple(
-    stages: &mut [Stage],
-    gauss: &Gauss,
-    start: &[f64],
-    into: impl Fn(&mut Stage) -> &mut Vec<f64>,
-    of: impl Fn(&Stage) -> &Vec<f64>,
-) {
-    let s = stages.len();
-    for i in 0..s {
-        for k in 0..start.len() {
-            let sum: f64 = (0..s).map(|j| gauss.mu[i * s + j] * of(&stages[j])[k]).sum();
-            into(&mut stages[i])[k] = start[k] + sum;
+fn couple(mu: &[f64], start: &[f64], steps: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for (mu, step) in mu.iter().zip(steps.chunks_exact(start.len())) {
+        for (out, step) in out.iter_mut().zip(step) {
+            *out += mu * step;
         }
+    }
+    for (out, start) in out.iter_mut().zip(start) {
+        *out += start;
     }
 }
 

@@ -214,7 +214,7 @@ fn false_alarms_stay_rare_in_short_and_long_runs() {
     for (steps, seeds) in [(MIN_STEPS as usize, 1000), (20_000, 300)] {
         for (name, make) in BOUNDED {
             let alarms = SEEDS.take(seeds).filter(|&s| judged(&make(s, steps)).verdict != Verdict::Bounded).count();
-            // measured SHORT, on pink noise, and 0
+            // most on pink noise in the short runs
             assert!(100 * alarms < seeds, "{name}, {steps} steps: {alarms} of {seeds}");
         }
     }
@@ -252,7 +252,7 @@ fn a_band_that_widens_is_mostly_found() {
             judged(&series).verdict
         };
         let found = SEEDS.take(300).filter(|&seed| widening(seed) > Verdict::Bounded).count();
-        eprintln!("{name} {found}");
+        // measured 172 on beating, 248 on quasi-periodic, at least 293 on the others
         assert!(found >= 150, "{name}: {found} of 300");
     }
 }
@@ -284,12 +284,10 @@ fn confidence_intervals_hold_the_exponent() {
         found.iter().filter(holds).count() as f64 / found.len() as f64
     };
     let walks = covered(&|s| walk(s, STEPS), 0.5, Verdict::RandomWalk);
-    eprintln!("{walks}");
-    // measured WALKS
+    // measured 0.955
     assert!(walks > 0.93, "{walks}");
     for (name, make) in BOUNDED {
         let drifts = covered(&|s| drifting(make(s, STEPS), 1.0), 1.0, Verdict::Drift);
-        eprintln!("{name} {drifts}");
         // measured at least 0.89, on pink noise; 0.94 and more on the others
         assert!(drifts > 0.85, "{name}: {drifts}");
         assert_eq!(covered(&|s| make(s, STEPS), 0.0, Verdict::Bounded), 1.0, "{name}");

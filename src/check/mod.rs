@@ -63,7 +63,7 @@ pub enum CheckError {
     #[error("{input}: {error}", input = input.display())]
     Compile { input: PathBuf, error: CompileError },
     #[error("{input}: {error}", input = input.display())]
-    Bound { input: PathBuf, error: BoundError },
+    Bound { input: PathBuf, error: Box<BoundError> },
     #[error("{input}: {key}: {error}", input = input.display())]
     Unsupported { input: PathBuf, key: String, error: Unsupported },
     #[error(
@@ -81,7 +81,7 @@ pub fn requirements(input: &Path, bounds: &[Bound], system: &System) -> Result<V
     let mut found = Vec::with_capacity(bounds.len());
     for (i, bound) in bounds.iter().enumerate() {
         let required = Requirement::new(&format!("bounds[{i}]"), bound)
-            .map_err(|error| CheckError::Bound { input: input.to_path_buf(), error })?;
+            .map_err(|error| CheckError::Bound { input: input.to_path_buf(), error: Box::new(error) })?;
         for spec in required.engines() {
             engines::build(spec, system, required.horizon.step).map_err(|error| CheckError::Unsupported {
                 input: input.to_path_buf(),

@@ -290,7 +290,10 @@ impl Rattle {
     fn forget(&mut self) {
         if self.fault == Some(Fault::PlainSums) {
             for body in &mut self.bodies {
-                (body.x.forget(), body.q.forget(), body.p.forget(), body.pi.forget());
+                body.x.forget();
+                body.q.forget();
+                body.p.forget();
+                body.pi.forget();
             }
         }
     }

@@ -373,7 +373,7 @@ mod tests {
         assert_eq!((to.link, *rest_length), (None, 2.0));
         let drive = Drive { joint: 0, effort: 1.0, amplitude: 2.0, frequency_hz: 3.0, phase: 4.0 };
         assert_eq!(scene.drives, [drive]);
-        assert_eq!((scene.bounds[0].max, scene.bounds[0].min), (Some(Limit::Number(1e-4)), None));
+        assert_eq!((&scene.bounds[0].max, &scene.bounds[0].min), (&Some(Limit::Number(1e-4)), &None));
         let needs = ["revolute joints", "ball joints", "welded links", "gravity", "revolute loops"];
         assert_eq!(scene.needs()[..5], needs);
         assert_eq!(scene.needs()[5..], ["joint springs", "point springs", "drives"]);

@@ -1,6 +1,6 @@
 //! Scenes and options that several subcommands read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::CliError;
 use crate::engines::Spec;
@@ -27,6 +27,20 @@ pub fn specs<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
         }
     }
     Ok(specs)
+}
+
+/// The scenes `*/scene.json` in a folder, by name.
+pub fn shipped(models: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let failed = |error| CliError::Read { path: models.to_path_buf(), error };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(models).map_err(failed)? {
+        let file = entry.map_err(failed)?.path().join("scene.json");
+        if file.is_file() {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 /// A time that must be positive and finite.

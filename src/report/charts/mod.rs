@@ -1,6 +1,7 @@
 //! The charts, one file each. The only folder that knows plotters.
 
 mod axis;
+pub mod broken_bound;
 mod canvas;
 mod constraint_violation;
 mod energy_drift;

@@ -2,14 +2,17 @@
 //!
 //! A [`Horizon`] says how many steps of which size a run takes. [`trace`](trace::trace) steps an engine over it once and
 //! computes energy, joint residuals and momentum after every step; [`clock`] measures the processor time of the stepping
-//! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows.
+//! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows. [`truth`] is the
+//! trajectory that [`accuracy`] is judged by.
 
+pub mod accuracy;
 pub mod clock;
 pub mod comparison;
 pub mod growth;
 pub mod horizon;
 pub mod series;
 pub mod trace;
+pub mod truth;
 mod work;
 
 #[cfg(test)]

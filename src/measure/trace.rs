@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Horizon;
+use super::accuracy::{Accuracy, Follower};
 use super::growth::{Growth, Stretch, growth};
 use super::series::Series;
+use super::truth::Truth;
 use super::work::DampingWork;
 use crate::engines::{Engine, StepFailure};
 use crate::mechanics::momentum::{self, Conserved};
@@ -63,6 +65,8 @@ pub struct Trace {
     pub residual: Option<constraint::Residual>,
     /// One entry for each component that the scene conserves.
     pub momentum: Vec<MomentumError>,
+    /// Position errors against the truth, where it is known.
+    pub accuracy: Option<Accuracy>,
     /// How far the engine's first state is from the scene's.
     pub start: Option<StartDifference>,
     pub series: Series<QUANTITIES>,
@@ -126,6 +130,7 @@ impl Trace {
             growth: None,
             residual: None,
             momentum: Vec::new(),
+            accuracy: None,
             start: None,
             series: Series::new(0),
         }
@@ -135,7 +140,19 @@ impl Trace {
 /// Steps an engine over the horizon, starting from the system's initial state, and measures every state. `None` where it
 /// was interrupted.
 pub fn trace(system: &System, engine: &mut dyn Engine, horizon: Horizon, limits: &Limits) -> Option<Trace> {
+    trace_against(None, system, engine, horizon, limits)
+}
+
+/// The same, with the positions compared with the truth.
+pub fn trace_against<'a>(
+    truth: Option<&'a Truth>,
+    system: &'a System,
+    engine: &mut dyn Engine,
+    horizon: Horizon,
+    limits: &Limits,
+) -> Option<Trace> {
     let mut probe = Probe::new(system, engine, horizon);
+    probe.follower = truth.map(|truth| Follower::new(system, truth));
     let begin = Instant::now();
     let outcome = loop {
         if probe.taken == horizon.steps {
@@ -184,6 +201,7 @@ struct Probe<'a> {
     residual: constraint::Residual,
     conserved: Vec<(Conserved, f64)>,
     momentum: Vec<f64>,
+    follower: Option<Follower<'a>>,
     start: StartDifference,
     series: Series<QUANTITIES>,
 }
@@ -207,6 +225,7 @@ impl<'a> Probe<'a> {
             start: start_difference(system, &state),
             momentum: vec![0.0; conserved.len()],
             conserved,
+            follower: None,
             damping: DampingWork::new(system),
             lag,
             energy: EnergyError::default(),
@@ -252,6 +271,9 @@ impl<'a> Probe<'a> {
             let error = (component.value(system, &self.state) - start) / component.scale;
             *largest = largest.max(error.abs());
         }
+        if let Some(follower) = &mut self.follower {
+            follower.add(time, self.horizon.step, &self.state);
+        }
         self.series.push(time, [error, corrected, residual.position, residual.velocity]);
         Ok(())
     }
@@ -277,6 +299,7 @@ impl<'a> Probe<'a> {
                 .filter(|_| measured)
                 .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })
                 .collect(),
+            accuracy: self.follower.and_then(Follower::finish),
             start: Some(self.start),
             series: self.series,
         }

@@ -6,12 +6,18 @@
 //! trajectory that [`accuracy`] is judged by.
 
 pub mod accuracy;
+mod batch;
 pub mod clock;
 pub mod comparison;
+pub mod convergence;
 pub mod growth;
 pub mod horizon;
+pub mod parity;
 pub mod series;
+pub mod study;
+pub mod sweep;
 pub mod trace;
+mod trust;
 pub mod truth;
 mod work;
 

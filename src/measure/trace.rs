@@ -307,6 +307,11 @@ impl<'a> Probe<'a> {
 }
 
 fn start_difference(system: &System, state: &State) -> StartDifference {
+    start_difference_as(system, system, state)
+}
+
+/// The same where the engine's energy is that of the masses and gravity of `theirs`.
+pub(super) fn start_difference_as(theirs: &System, system: &System, state: &State) -> StartDifference {
     let mut all = StartDifference::default();
     for (a, b) in state.bodies.iter().zip(&system.initial.bodies) {
         all.position = all.position.max((a.position - b.position).norm());
@@ -314,7 +319,7 @@ fn start_difference(system: &System, state: &State) -> StartDifference {
         all.velocity = all.velocity.max((a.velocity - b.velocity).norm());
         all.angular_velocity = all.angular_velocity.max((a.angular_velocity - b.angular_velocity).norm());
     }
-    let (theirs, ours) = (energy::energy(system, state).total(), energy::energy(system, &system.initial).total());
+    let (theirs, ours) = (energy::energy(theirs, state).total(), energy::energy(system, &system.initial).total());
     all.energy = ((theirs - ours) / system.energy_scale).abs();
     all
 }

@@ -5,12 +5,15 @@
 
 pub mod charts;
 pub mod environment;
+pub mod evidence;
 pub mod files;
 pub mod finding;
+pub mod front;
 pub mod metrics;
 pub mod number;
 pub mod page;
 pub mod record;
+pub mod summary;
 pub mod table;
 pub mod theory;
 

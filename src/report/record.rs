@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::clock::Timing;
+use super::evidence::{Accuracy, Parity, Reference, Sweep, Timing};
 use crate::measure::comparison::{Results, Run as MeasuredRun};
 use crate::measure::growth::Verdict;
 use crate::measure::series::{Block, Extent};
+use crate::measure::study::Findings;
 use crate::measure::trace::{self, MomentumError, Outcome as Ended, Trace};
 use crate::mechanics::System;
 use crate::model::{Ignored, Scene};
@@ -14,8 +16,9 @@ use crate::model::{Ignored, Scene};
 /// Name and version of the format.
 pub const SCHEMA: &str = "rattlebench/report/1";
 
-/// A comparison of engines on one scene. Everything but `machine` and the `time` of each run is the same, byte for byte,
-/// whenever the same program compares the same scene by the same command.
+/// A comparison of engines on one scene. Everything but `machine` and what is measured by the clock (`timing`, the
+/// `time` of each run, the `targets` of the sweep) is the same, byte for byte, whenever the same program compares the same
+/// scene by the same command and no run goes over its budget.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     /// Always `rattlebench/report/1`.
@@ -28,7 +31,19 @@ pub struct Report {
     /// The comparison was interrupted: runs or their timing are missing.
     #[serde(default, skip_serializing_if = "is_false")]
     pub interrupted: bool,
+    /// The evidence that all engines were given one mechanical system.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parity: Option<Parity>,
+    /// What positions are compared with; absent where no truth could be found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
+    /// How processor times were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timing: Option<Timing>,
     pub runs: Vec<Run>,
+    /// Every engine at many settings, over the first part of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
 }
 
 /// What was simulated.
@@ -106,6 +121,9 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
+    /// Position errors against the reference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -240,7 +258,22 @@ impl Report {
             versions: super::environment::versions(),
             command,
             interrupted: results.interrupted,
+            parity: None,
+            reference: None,
+            timing: None,
+            sweep: None,
             runs: results.runs.iter().map(|run| Run::new(run, system)).collect(),
+        }
+    }
+
+    /// The record of a comparison with the evidence for it.
+    pub fn of_study(scene: &Scene, system: &System, findings: &Findings, command: String) -> Report {
+        Report {
+            parity: Parity::new(&findings.parity),
+            reference: findings.truth.as_ref().map(Reference::new),
+            timing: findings.overhead.map(|_| Timing::new(findings)),
+            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system)),
+            ..Report::new(scene, system, &findings.results, command)
         }
     }
 
@@ -301,7 +334,7 @@ impl SceneRecord {
 }
 
 impl Run {
-    fn new(run: &MeasuredRun, system: &System) -> Run {
+    pub(super) fn new(run: &MeasuredRun, system: &System) -> Run {
         let trace = &run.trace;
         let (outcome, outcome_detail) = match &trace.outcome {
             Ended::Completed => (Outcome::Completed, None),
@@ -331,6 +364,7 @@ impl Run {
                 .map(|r| Constraint { max_position: r.position, max_velocity: r.velocity })
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
+            accuracy: trace.accuracy.map(Accuracy::new),
             time: run.timing.map(|t| time(t, run.horizon.step)),
             series: (!trace.series.blocks.is_empty()).then(|| series(trace)),
         }

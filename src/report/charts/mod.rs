@@ -3,6 +3,7 @@
 mod axis;
 mod canvas;
 mod constraint_violation;
+mod convergence;
 mod energy_drift;
 mod error_vs_run_time;
 mod legend;
@@ -10,6 +11,7 @@ mod panel;
 mod style;
 pub mod theory;
 mod time_panels;
+mod work_precision;
 
 use super::Report;
 
@@ -27,4 +29,10 @@ pub struct Chart {
 }
 
 /// All charts, in the order of the page. A new one is one file and one line here.
-pub const CHARTS: [Chart; 3] = [energy_drift::CHART, constraint_violation::CHART, error_vs_run_time::CHART];
+pub const CHARTS: [Chart; 5] = [
+    work_precision::CHART,
+    convergence::CHART,
+    energy_drift::CHART,
+    constraint_violation::CHART,
+    error_vs_run_time::CHART,
+];

@@ -92,6 +92,12 @@ impl<'a, 'b> Panel<'a, 'b> {
         draw_marker(&canvas, centre, look, hollow)
     }
 
+    /// A small pale dot: one setting among many.
+    pub fn dot(&self, point: (f64, f64), look: Look) -> Result<(), ChartError> {
+        let (centre, canvas) = self.local(point);
+        Ok(canvas.draw(&Circle::new(centre, at(4), look.colour.mix(0.35).filled()))?)
+    }
+
     /// A cross: the run ends here.
     pub fn cross(&self, point: (f64, f64), look: Look) -> Result<(), ChartError> {
         let ((x, y), canvas) = self.local(point);

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::measure::clock::Timing;
+use crate::measure::clock;
 use super::evidence::{Accuracy, Parity, Reference, Sweep, Timing};
 use crate::measure::comparison::{Results, Run as MeasuredRun};
 use crate::measure::growth::Verdict;
@@ -395,7 +395,7 @@ fn momentum(errors: &[MomentumError]) -> Option<Momentum> {
     Some(Momentum { max_relative_error, components })
 }
 
-fn time(timing: Timing, step: f64) -> Time {
+fn time(timing: clock::Timing, step: f64) -> Time {
     Time {
         us_per_step: 1e6 * timing.median,
         us_per_step_min: 1e6 * timing.min,

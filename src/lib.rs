@@ -25,6 +25,7 @@
 //! | --- | --- |
 //! | [`model`] | what a URDF and a scene file say, validated, as plain SI data |
 //! | [`mechanics`] | the compiled system: rigid bodies, joints as motion subspaces, energy, momentum, residuals |
+//! | [`reduced`] | the equations of motion in joint coordinates, for the reference and the rivals of the core |
 //! | [`variational`] | RATTLE and the tree recursion that solves its constraints in O(n) |
 //! | [`discrete`] | the general discrete mechanics of Marsden and West on linear spaces |
 //! | [`engines`] | what can advance a system: one trait, one list, one file an engine |
@@ -38,5 +39,6 @@ pub mod engines;
 pub mod measure;
 pub mod mechanics;
 pub mod model;
+pub mod reduced;
 pub mod report;
 pub mod variational;

@@ -6,6 +6,7 @@
 
 pub mod rapier;
 mod rattle;
+pub mod reference;
 mod spec;
 
 use std::fmt;
@@ -66,7 +67,7 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY];
+pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY, reference::ENTRY];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///

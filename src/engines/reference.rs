@@ -1,0 +1,183 @@
+//! The way to the truth: dense equations of motion in joint coordinates, integrated at a tolerance near roundoff.
+//!
+//! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`reduced::recursive`]), integrated by the
+//! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.10)
+//! of the crate `differential-equations`. Neither shares code with the variational core. [`trajectory`] integrates twice,
+//! at two tolerances, and gives the distance of the two as its error estimate.
+//!
+//! The crate allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
+//! accuracy and is no rival in speed. `dop853` is.
+//!
+//! [`reduced::recursive`]: crate::reduced::recursive
+
+use std::cell::RefCell;
+
+use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
+use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
+
+use super::{Engine, Entry, Key, Spec, StepFailure, Unsupported};
+use crate::mechanics::{State, System};
+use crate::reduced::Model;
+use crate::reduced::recursive::Dynamics;
+
+/// Relative and absolute tolerance of the reference, and the looser one that it is compared with.
+pub const TOLERANCE: f64 = 1e-14;
+pub const LOOSER_TOLERANCE: f64 = 1e-12;
+
+/// What `report.json` says about how the reference was computed.
+pub const METHOD: &str = "joint coordinates, mass matrix and recursive Newton-Euler, Dormand-Prince order 8(5,3) at \
+                          tolerance 1e-14; error estimated against tolerance 1e-12";
+
+const KEYS: &[Key] = &[];
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "reference",
+    summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
+    keys: KEYS,
+    build,
+};
+
+fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    let integration = Integration::new(system, TOLERANCE)
+        .map_err(|failure| Unsupported { engine: spec.to_string(), what: failure.to_string() })?;
+    Ok(Box::new(ReferenceEngine { integration, step, taken: 0 }))
+}
+
+struct ReferenceEngine {
+    integration: Integration,
+    step: f64,
+    taken: u64,
+}
+
+impl Engine for ReferenceEngine {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        self.integration.advance_to((self.taken + 1) as f64 * self.step)?;
+        self.taken += 1;
+        Ok(())
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.integration.write_state(out);
+    }
+}
+
+/// The reference at requested times.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    /// s, as requested
+    pub times: Vec<f64>,
+    /// The states at these times.
+    pub states: Vec<State>,
+    /// The states of the looser tolerance.
+    pub looser: Vec<State>,
+    /// Distance of the two at each time: the largest displacement of a centre of mass (m) or rotation (rad). It estimates
+    /// the error of the looser run, and so bounds that of `states` from above as long as both are far from chaos.
+    pub error_estimate: Vec<f64>,
+    /// How it was computed, in words.
+    pub method: String,
+}
+
+impl Trajectory {
+    /// The last requested time up to which the error estimate stays within `bound`; `None` where the first exceeds it.
+    pub fn trusted_until(&self, bound: f64) -> Option<f64> {
+        let trusted = self.error_estimate.iter().take_while(|&&error| error <= bound).count();
+        trusted.checked_sub(1).map(|last| self.times[last])
+    }
+}
+
+/// Computes the reference at `times` (s, not negative, increasing).
+///
+/// # Errors
+/// The motion cannot be followed: a joint can move without moving any mass, or the step size underflows.
+pub fn trajectory(system: &System, times: &[f64]) -> Result<Trajectory, StepFailure> {
+    let run = |tolerance: f64| -> Result<Vec<State>, StepFailure> {
+        let mut integration = Integration::new(system, tolerance)?;
+        let states = times.iter().map(|&time| {
+            integration.advance_to(time)?;
+            let mut state = system.initial.clone();
+            integration.write_state(&mut state);
+            Ok(state)
+        });
+        states.collect()
+    };
+    let (states, looser) = (run(TOLERANCE)?, run(LOOSER_TOLERANCE)?);
+    let error_estimate = states.iter().zip(&looser).map(|(a, b)| distance(a, b)).collect();
+    Ok(Trajectory { times: times.to_vec(), states, looser, error_estimate, method: METHOD.to_string() })
+}
+
+/// The largest displacement of a centre of mass (m) or rotation of a body (rad) between two states. NaN where either is.
+pub fn distance(a: &State, b: &State) -> f64 {
+    a.bodies.iter().zip(&b.bodies).fold(0.0, |largest: f64, (a, b)| {
+        let (shift, turn) = ((a.position - b.position).norm(), a.attitude.angle_to(&b.attitude));
+        if shift.is_nan() || turn.is_nan() || largest.is_nan() { f64::NAN } else { largest.max(shift).max(turn) }
+    })
+}
+
+/// `d/dt (q, v) = (qdot, a)`.
+struct Equations(RefCell<Dynamics>);
+
+impl ODE<f64, Vec<f64>> for Equations {
+    fn diff(&self, _t: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
+        let mut dynamics = self.0.borrow_mut();
+        let (q, v) = y.split_at(dynamics.model().positions);
+        let (q_rate, v_rate) = rate.split_at_mut(q.len());
+        dynamics.model().rates(q, v, q_rate);
+        if dynamics.accelerations(q, v, v_rate).is_none() {
+            v_rate.fill(f64::NAN);
+        }
+    }
+}
+
+/// An adaptive integration that lands on every time asked for.
+struct Integration {
+    equations: Equations,
+    method: ExplicitRungeKutta<Ordinary, DormandPrince, f64, Vec<f64>, 8, 12, 16>,
+}
+
+impl Integration {
+    fn new(system: &System, tolerance: f64) -> Result<Integration, StepFailure> {
+        let model = Model::new(system);
+        let (mut y, v) = model.initial();
+        y.extend(v);
+        let equations = Equations(RefCell::new(Dynamics::new(model)));
+        let mut rate = y.clone();
+        equations.diff(0.0, &y, &mut rate);
+        if !rate.iter().all(|x| x.is_finite()) {
+            let detail = "t = 0 s: the mass matrix is singular: a joint can move without moving any mass".to_string();
+            return Err(StepFailure::Diverged { detail });
+        }
+        let mut method = ExplicitRungeKutta::dop853().rtol(tolerance).atol(tolerance).max_steps(usize::MAX);
+        method.init(&equations, 0.0, f64::MAX, &y).map_err(|_| failure(0.0))?;
+        Ok(Integration { equations, method })
+    }
+
+    fn advance_to(&mut self, time: f64) -> Result<(), StepFailure> {
+        loop {
+            let rest = time - self.method.t();
+            if rest <= 4.0 * f64::EPSILON * time {
+                return Ok(());
+            }
+            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the next.
+            let natural = self.method.h();
+            let shortened = natural > 0.5 * rest;
+            if shortened {
+                self.method.set_h(if natural >= rest { rest } else { 0.5 * rest });
+            }
+            let before = self.method.t();
+            self.method.step(&self.equations).map_err(|_| failure(before))?;
+            if shortened && self.method.t() > before {
+                self.method.set_h(natural.max(self.method.h()));
+            }
+        }
+    }
+
+    fn write_state(&self, out: &mut State) {
+        let dynamics = self.equations.0.borrow();
+        let (q, v) = self.method.y().split_at(dynamics.model().positions);
+        dynamics.model().write_state(q, v, out);
+    }
+}
+
+fn failure(time: f64) -> StepFailure {
+    StepFailure::Diverged { detail: format!("t = {time:.6} s: the adaptive step size has become too small to go on") }
+}

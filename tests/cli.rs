@@ -218,8 +218,13 @@ fn a_comparison_leaves_a_report_that_needs_no_network() {
     }
     let page = fs::read_to_string(folder.path().join("index.html")).expect("written");
     assert!(!page.contains("http") && !page.contains("<script") && !page.contains("<link"));
-    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
-    assert_eq!(page.matches("src=").count(), 3);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 5);
+    assert_eq!(page.matches("src=").count(), 5);
+    let sweep = report.sweep.as_ref().expect("a sweep");
+    assert!(sweep.runs.iter().all(|r| r.series.is_none() && r.accuracy.is_some() && r.time.is_some()));
+    assert_eq!(sweep.targets.len(), 4, "the reference is good enough for every target");
+    assert!(report.parity.as_ref().is_some_and(|parity| parity.agrees && parity.engines.len() >= 5));
+    assert!(stdout.contains("\nFor joint positions to 10"), "{stdout}");
     assert!(stdout.starts_with("double_pendulum\nAt a step of "), "{stdout}");
     assert!(stdout.contains("rapier:joints=multibody,precision=f64\n"), "{stdout}");
     assert!(stdout.ends_with(&format!("{}\n\n", folder.path().join("index.html").display())), "{stdout}");
@@ -228,6 +233,11 @@ fn a_comparison_leaves_a_report_that_needs_no_network() {
 /// Everything of a report but what the machine and the clock say.
 fn timeless(mut report: Report) -> String {
     report.runs.iter_mut().for_each(|run| run.time = None);
+    report.timing = None;
+    if let Some(sweep) = &mut report.sweep {
+        sweep.runs.iter_mut().for_each(|run| run.time = None);
+        sweep.targets.clear();
+    }
     report.command = String::new();
     report.to_json().expect("JSON")
 }
@@ -236,7 +246,7 @@ fn timeless(mut report: Report) -> String {
 fn two_comparisons_differ_only_in_their_timing() {
     let ((first, _), (second, _)) = (compare(&["--jobs", "2"]), compare(&["--jobs", "1"]));
     assert_eq!(timeless(report(first.path())), timeless(report(second.path())));
-    for chart in ["energy_drift.png", "constraint_violation.png"] {
+    for chart in ["convergence.png", "energy_drift.png", "constraint_violation.png"] {
         let bytes = |folder: &Path| fs::read(folder.join(chart)).expect("written");
         assert!(bytes(first.path()) == bytes(second.path()), "{chart}");
         assert!(bytes(first.path()).starts_with(b"\x89PNG"));
@@ -254,7 +264,14 @@ fn charts_drawn_again_are_the_same_bytes() {
     let saved = folder.path().join("report.json");
     let (stdout, _) = run(&["chart", text(&saved), "--out", text(again.path())], 0);
     assert_eq!(stdout, format!("{}\n", again.path().join("index.html").display()));
-    for file in ["energy_drift.png", "constraint_violation.png", "error_vs_run_time.png", "index.html"] {
+    for file in [
+        "work_precision.png",
+        "convergence.png",
+        "energy_drift.png",
+        "constraint_violation.png",
+        "error_vs_run_time.png",
+        "index.html",
+    ] {
         let bytes = |folder: &Path| fs::read(folder.join(file)).expect("written");
         assert!(bytes(folder.path()) == bytes(again.path()), "{file}");
     }

@@ -8,7 +8,7 @@ use crate::discrete::solve::SolveError;
 use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
 use crate::mechanics::CompileError;
-use crate::model::{SceneError, SceneProblem};
+use crate::model::{ModelError, SceneError, SceneProblem};
 use crate::report::files::WriteError;
 use crate::report::record::ReadError;
 
@@ -19,6 +19,8 @@ pub enum CliError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Option(#[from] SceneProblem),
+    #[error(transparent)]
+    Model(#[from] ModelError),
     #[error("{input}: {error}", input = input.display())]
     Compile { input: PathBuf, error: CompileError },
     #[error("{input}: \"{what}\" cannot be simulated by any engine of this version; take them out of the scene", input = input.display())]

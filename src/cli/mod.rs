@@ -5,6 +5,7 @@
 
 mod chart;
 mod compare;
+mod cost;
 mod error;
 mod generate;
 mod input;
@@ -35,6 +36,7 @@ enum Command {
     Inspect(inspect::Args),
     Simulate(simulate::Args),
     Compare(compare::Args),
+    Cost(cost::Args),
     Theory(theory::Args),
     Generate(generate::Args),
     Chart(chart::Args),
@@ -48,6 +50,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Cost(args) => cost::run(&args),
         Command::Theory(args) => theory::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Chart(args) => chart::run(&args),

@@ -185,7 +185,8 @@ mod tests {
     #[test]
     fn an_engine_that_takes_twice_as_long_is_found_to() {
         let (one, two) = (Duration::from_micros(50), Duration::from_micros(100));
-        let found = time(&[candidate(one, 40), candidate(two, 40)], Effort::FULL, &AtomicBool::new(false), &AtomicU64::new(0));
+        let found =
+            time(&[candidate(one, 40), candidate(two, 40)], Effort::FULL, &AtomicBool::new(false), &AtomicU64::new(0));
         let found = found.expect("not interrupted");
         let (a, b) = (found[0].expect("timed"), found[1].expect("timed"));
         assert!((a.median / 50e-6 - 1.0).abs() < 0.1, "{a:?}");

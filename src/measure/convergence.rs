@@ -64,26 +64,28 @@ pub fn judge(points: &[(f64, f64)], roundoff: f64) -> Option<Convergence> {
         return Some(Convergence { order: None, floor: None, verdict: Verdict::NotSmall });
     }
     let lowest = small.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-    let floor = stalled(&small).then_some(lowest);
+    let roundoff = roundoff.max(ROUNDOFF);
+    let floor = stalled(&small, roundoff).then_some(lowest);
     let counts = |p: &&(f64, f64)| floor.is_none_or(|floor| p.1 > ABOVE_FLOOR * floor);
     let falling: Vec<(f64, f64)> = small.iter().take_while(counts).copied().collect();
     let fitted = &falling[falling.len().saturating_sub(FITTED)..];
     let verdict = match floor {
         None => Verdict::Converges,
-        Some(floor) if floor <= roundoff.max(ROUNDOFF) => Verdict::ToRoundoff,
+        Some(floor) if floor <= roundoff => Verdict::ToRoundoff,
         Some(_) => Verdict::DoesNotConverge,
     };
     Some(Convergence { order: (fitted.len() >= 3).then(|| slope(fitted)), floor, verdict })
 }
 
-/// Whether the errors at the finest steps fall by less than the power [`STALLED`] of the step: over the last pair, and
-/// over the last three points together, so that one lucky error is not taken for a floor.
-fn stalled(points: &[(f64, f64)]) -> bool {
+/// Whether the errors at the finest steps fall by less than the power [`STALLED`] of the step: over the last pair and, above
+/// roundoff, over the last three together, so that one lucky error is not taken for a floor.
+fn stalled(points: &[(f64, f64)], roundoff: f64) -> bool {
     let last = points.len() - 1;
     let before = |k: usize| points[last.saturating_sub(k)];
     let end = points[last];
     let gains = |from: (f64, f64)| (end.1 / from.1).ln() > STALLED * (end.0 / from.0).ln();
-    gains(before(1)) && (last < 2 || gains(before(2)) || points[..last].iter().any(|p| p.1 < end.1))
+    let risen = points[..last].iter().any(|p| p.1 < end.1);
+    gains(before(1)) && (end.1 <= roundoff || last < 2 || risen || gains(before(2)))
 }
 
 /// Least-squares slope of `ln error` over `ln step`.
@@ -131,6 +133,10 @@ mod tests {
         let found = judged(|h| 1e4 * h.powi(8) + 1e-13 / h.sqrt());
         assert_eq!(found.verdict, Verdict::ToRoundoff);
         assert!((found.order.expect("fitted") - 8.0).abs() < 0.5, "{found:?}");
+        // Two errors at roundoff are enough.
+        let found = judged(|h| h.powi(6).max(1e-14));
+        assert_eq!((found.verdict, found.floor), (Verdict::ToRoundoff, Some(1e-14)));
+        assert!((found.order.expect("fitted") - 6.0).abs() < 1e-9, "{found:?}");
         let limit = judge(&STEPS.map(|h| (h, h.powi(4) + 1e-9)), 2e-9).expect("points");
         assert_eq!(limit.verdict, Verdict::ToRoundoff);
     }

@@ -13,6 +13,7 @@ pub mod convergence;
 pub mod growth;
 pub mod horizon;
 pub mod parity;
+pub mod scaling;
 pub mod series;
 pub mod study;
 pub mod sweep;

@@ -7,8 +7,8 @@ use super::clock::{self, Effort};
 use super::comparison::{Comparison, Progress, Results, Run};
 use super::parity::{Parity, parity};
 use super::sweep::{self, Setting};
-use super::truth::Truth;
 use super::trust;
+use super::truth::Truth;
 use crate::engines::Spec;
 
 /// What is studied.
@@ -57,7 +57,7 @@ impl Study<'_> {
     pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Findings {
         let &Comparison { system, engines, horizons, budget, .. } = &self.comparison;
         let truth = trust::find(system, horizons, budget, interrupted).filter(|truth| !truth.times.is_empty());
-        let parity = parity(system, &self.engines(engines));
+        let parity = parity(system, system, &self.engines(engines));
         let mut results = self.comparison.trace(truth.as_ref(), interrupted, progress);
         let mut sweep = match &truth {
             Some(truth) if !results.interrupted => self.trace_sweep(truth, interrupted, progress),

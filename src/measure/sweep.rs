@@ -24,7 +24,7 @@ pub struct Setting {
 const LONG_STEPS: &[u64] = &[20, 40, 100, 200, 400, 1000, 2000];
 const STEPS: &[u64] = &[40, 100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
 const SHORT_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
-/// For the settings of rapier that gain most by short steps.
+/// For the settings of rapier that gain most by short steps, and those whose error stops falling.
 const SHORTEST_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000, 40_000, 100_000];
 /// Engines whose error a tolerance controls.
 const ONE: &[u64] = &[SAMPLES];
@@ -39,9 +39,9 @@ const ALL: &[(&str, &[u64])] = &[
     ("rattle:order=4", LONG_STEPS),
     ("rattle:order=6", LONG_STEPS),
     ("rattle:order=8", LONG_STEPS),
-    ("rapier", SHORT_STEPS),
+    ("rapier", SHORTEST_STEPS),
     ("rapier:substeps=1,iterations=4,stabilization=0", SHORT_STEPS),
-    ("rapier:joints=multibody", SHORT_STEPS),
+    ("rapier:joints=multibody", SHORTEST_STEPS),
     ("rapier:precision=f64", SHORTEST_STEPS),
     ("rapier:precision=f64,stabilization=0", SHORT_STEPS),
     ("rapier:precision=f64,iterations=4", SHORT_STEPS),
@@ -86,7 +86,13 @@ pub fn settings_of(engines: &[Spec], quick: bool) -> Vec<Setting> {
     };
     let counts = |spec: &Spec| match listed(spec) {
         _ if has_tolerance(spec) => ONE,
-        Some((_, counts)) if quick => if counts[0] < 100 { QUICK_LONG_STEPS } else { QUICK_SHORT_STEPS },
+        Some((_, counts)) if quick => {
+            if counts[0] < 100 {
+                QUICK_LONG_STEPS
+            } else {
+                QUICK_SHORT_STEPS
+            }
+        }
         Some((_, counts)) => counts,
         None if quick => QUICK_LONG_STEPS,
         None => STEPS,

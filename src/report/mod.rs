@@ -4,6 +4,7 @@
 //! so that they can be drawn again without simulating. [`files::write`] writes the whole folder.
 
 pub mod charts;
+pub mod cost;
 pub mod environment;
 pub mod evidence;
 pub mod files;

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::number::{duration, plain, short, written};
-use super::record::{Report, SceneRecord, Versions};
+use super::record::{Machine, Report, SceneRecord, Versions};
 use super::summary::{self, Words};
 use super::{evidence, finding, table};
 
@@ -121,7 +121,8 @@ fn runs(report: &Report) -> Markup {
     }
 }
 
-fn words(words: &Words) -> Markup {
+/// A table of words.
+pub(super) fn words(words: &Words) -> Markup {
     html! {
         div.wide {
             table {
@@ -240,7 +241,18 @@ fn scene(scene: &SceneRecord) -> Markup {
 }
 
 fn environment(report: &Report) -> Markup {
-    let (machine, versions) = (&report.machine, &report.versions);
+    let versions = &report.versions;
+    html! {
+        (machine_list(&report.machine))
+        (version_list(versions))
+        @if versions.profile != "release" {
+            p.warning { "This was not a release build: its timings say little about any engine." }
+        }
+        (command_line(&report.command))
+    }
+}
+
+pub(super) fn machine_list(machine: &Machine) -> Markup {
     html! {
         h2 { "Machine" }
         dl {
@@ -248,11 +260,6 @@ fn environment(report: &Report) -> Markup {
             @if let Some(cores) = machine.logical_cores { dt { "Logical cores" } dd { (cores) } }
             dt { "System" } dd { (machine.os) ", " (machine.architecture) }
         }
-        (version_list(versions))
-        @if versions.profile != "release" {
-            p.warning { "This was not a release build: its timings say little about any engine." }
-        }
-        (command_line(&report.command))
     }
 }
 

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::measure::clock;
 use super::evidence::{Accuracy, Parity, Reference, Sweep, Timing};
+use crate::measure::clock;
 use crate::measure::comparison::{Results, Run as MeasuredRun};
 use crate::measure::growth::Verdict;
 use crate::measure::series::{Block, Extent};

@@ -71,15 +71,12 @@ impl Words {
     }
 }
 
-/// What the sweep shows, in a sentence: for the finest target that two engines reach (else one), what it costs each of them,
+/// What the sweep shows, in a sentence: for the target nearest to 1e-6 that an engine reaches, what it costs each of them,
 /// the cheapest first, and which do not reach it.
 pub fn sentence(sweep: &Sweep) -> Option<String> {
-    let reached = |t: &&Target| t.engines.iter().filter(|e| e.reached).count();
-    let at = |least: usize| {
-        let fitting = sweep.targets.iter().filter(|t| reached(t) >= least);
-        fitting.min_by_key(|t| (t.max_joint_error / 1e-6).ln().abs() as i64)
-    };
-    let target = at(2).or_else(|| at(1))?;
+    let reached = sweep.targets.iter().filter(|t| t.engines.iter().any(|e| e.reached));
+    let far = |t: &Target| (t.max_joint_error / 1e-6).ln().abs();
+    let target = reached.min_by(|a, b| far(a).total_cmp(&far(b)))?;
     let mut engines: Vec<&Cheapest> = target.engines.iter().filter(|e| e.reached).collect();
     engines.sort_by(|a, b| a.s_per_simulated_s.total_cmp(&b.s_per_simulated_s));
     let cost = |e: &Cheapest| plain(e.s_per_simulated_s, 2);

@@ -47,8 +47,7 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
             let panel = Panel::new(&panel_area, x, y, Words { heading, x: "step size, s", y: y_words })?;
             let (mut labels, mut lines) = (Vec::new(), Vec::new());
             for (c, (_, look)) in shown.iter().zip(&looks).filter(|(c, _)| is_rapier(c) == *rapier).rev() {
-                let points: Vec<(f64, f64)> =
-                    of(sweep, c).iter().filter_map(|r| Some((r.step_s, error(r)?))).collect();
+                let points: Vec<(f64, f64)> = of(sweep, c).iter().filter_map(|r| Some((r.step_s, error(r)?))).collect();
                 panel.line(&points, *look, 2, false)?;
                 points.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
                 labels.extend(label(c, &points).map(|(point, words)| Label { point, words, look: *look }));

@@ -4,6 +4,7 @@ mod axis;
 mod canvas;
 mod constraint_violation;
 mod convergence;
+pub mod cost;
 mod energy_drift;
 mod error_vs_run_time;
 mod legend;

@@ -119,6 +119,9 @@ fn notes(report: &Report) -> Vec<String> {
     let Some(sweep) = &report.sweep else { return Vec::new() };
     let lost = sweep.runs.iter().filter(|r| cost(r).is_none()).count();
     let mut notes = Vec::new();
+    if sweep.runs.iter().any(|r| r.engine == RAPIER) {
+        notes.push("rapier, dashed: its default settings, in single precision.".to_string());
+    }
     if lost > 0 {
         notes.push(format!("{lost} of {} runs did not reach the end and are not shown.", sweep.runs.len()));
     }

@@ -23,8 +23,6 @@ pub enum CliError {
     Model(#[from] ModelError),
     #[error("{input}: {error}", input = input.display())]
     Compile { input: PathBuf, error: CompileError },
-    #[error("{input}: \"{what}\" cannot be simulated by any engine of this version; take them out of the scene", input = input.display())]
-    NotSimulated { input: PathBuf, what: &'static str },
     #[error("--engine: {0}")]
     Spec(#[from] SpecError),
     #[error("--engine: {0}")]

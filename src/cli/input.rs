@@ -6,14 +6,9 @@ use super::CliError;
 use crate::mechanics::System;
 use crate::model::Scene;
 
-/// Reads a scene. What only later engines can simulate is refused, so that nothing is dropped in silence.
+/// Reads a scene.
 pub fn scene(path: &Path) -> Result<Scene, CliError> {
-    let scene = Scene::load(path)?;
-    let parts = [("loops", scene.loops.len()), ("springs", scene.springs.len()), ("drives", scene.drives.len())];
-    match parts.into_iter().find(|(_, count)| *count > 0) {
-        Some((what, _)) => Err(CliError::NotSimulated { input: path.to_path_buf(), what }),
-        None => Ok(scene),
-    }
+    Ok(Scene::load(path)?)
 }
 
 /// Compiles a scene that was read from `path`.

@@ -108,9 +108,10 @@ fn set(scene: &mut Scene, text: &str) -> Result<(), String> {
     };
     let (position, velocity) = values.split_once(':').map_or((values, None), |(p, v)| (p, Some(v)));
     let (position, velocity) = (numbers(position)?, velocity.map(numbers).transpose()?);
-    scene.initial[index].position = position;
+    let initial = &mut scene.initial[index];
+    (initial.position, initial.position_given) = (position, true);
     if let Some(velocity) = velocity {
-        scene.initial[index].velocity = velocity;
+        (initial.velocity, initial.velocity_given) = (velocity, true);
     }
     Ok(())
 }
@@ -257,7 +258,7 @@ impl Run<'_> {
             }
         }
         let energy = energy::energy(self.system, state);
-        let residual = constraint::residual(self.system, state);
+        let residual = constraint::residual_with_couplings(self.system, state, &tracker.joints);
         for x in [energy.kinetic, energy.potential, energy.total(), residual.position, residual.velocity] {
             number(rows, x, ",")?;
         }

@@ -4,14 +4,20 @@
 //! [`System`] and one step size, and hands out states in the form of [`State`]. It is never asked for its own energy:
 //! every figure is computed from its states by `measure`.
 
+mod dop853;
+mod explicit_euler;
+mod galerkin;
+mod joint_coordinates;
 pub mod rapier;
 mod rattle;
 pub mod reference;
+mod rk4;
+mod semi_implicit_euler;
 mod spec;
 
 use std::fmt;
 
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 
 pub use spec::{Choice, Key, Number, Spec, SpecError};
 
@@ -57,6 +63,8 @@ pub struct Entry {
     pub name: &'static str,
     pub summary: &'static str,
     pub keys: &'static [Key],
+    /// What of a system beside its tree of bodies the engine has means for.
+    pub parts: &'static [Part],
     build: Build,
 }
 
@@ -67,13 +75,25 @@ impl fmt::Debug for Entry {
 }
 
 /// All engines. A new one is one file and one line here.
-pub static ENGINES: &[Entry] = &[rattle::ENTRY, rapier::ENTRY, reference::ENTRY];
+pub static ENGINES: &[Entry] = &[
+    rattle::ENTRY,
+    galerkin::ENTRY,
+    rapier::ENTRY,
+    dop853::ENTRY,
+    rk4::ENTRY,
+    semi_implicit_euler::ENTRY,
+    explicit_euler::ENTRY,
+    reference::ENTRY,
+];
 
 /// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
 ///
 /// # Errors
 /// The engine has no means for something that the system needs.
 pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    if let Some(part) = system.parts.kinds().find(|part| !spec.entry().parts.contains(part)) {
+        return Err(Unsupported { engine: spec.to_string(), what: part.name().to_string() });
+    }
     (spec.entry().build)(spec, system, step)
 }
 

@@ -1,7 +1,7 @@
 //! The variational RATTLE core as an engine.
 
 use super::{Choice, Engine, Entry, Key, Spec, StepFailure, Unsupported};
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::{Failure, Rattle, Rotation};
 
@@ -21,11 +21,12 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
     keys: &[Key::Choice(&ORDER), Key::Choice(&ROTATION)],
+    parts: &[Part::Loops, Part::Mimics, Part::PointSprings],
     build,
 };
 
 fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
-    let names = |i: usize| (system.bodies[i].name.clone(), system.bodies[i].joint.name.clone());
+    let names = Names::of(system);
     let order = spec.word(&ORDER);
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
@@ -46,7 +47,6 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
         _ => Rotation::MoserVeselov,
     };
     let rattle = rattle.with_rotation(rotation);
-    let names = (0..system.bodies.len()).map(names).collect();
     let substeps = composition.weights().map(|w| w * step).collect();
     Ok(Box::new(RattleEngine {
         rattle,
@@ -65,8 +65,7 @@ struct RattleEngine {
     substeps: Vec<f64>,
     step: f64,
     taken: u64,
-    /// Body and joint names, for failures.
-    names: Vec<(String, String)>,
+    names: Names,
     /// The state before the present step, which stands after one of several substeps has failed.
     before: State,
     failed: bool,
@@ -80,7 +79,7 @@ impl Engine for RattleEngine {
         for (k, substep) in self.substeps.iter().enumerate() {
             if let Err(failure) = self.rattle.step(*substep) {
                 self.failed = k > 0;
-                let detail = describe(failure, self.taken as f64 * self.step, self.step, &|i| self.names[i].clone());
+                let detail = describe(failure, self.taken as f64 * self.step, self.step, &self.names);
                 return Err(match failure {
                     Failure::NotFinite { .. } => StepFailure::Diverged { detail },
                     _ => StepFailure::NotConverged { detail },
@@ -100,26 +99,54 @@ impl Engine for RattleEngine {
     }
 }
 
-/// A failure with names, time and remedy. `names(i)` are those of body `i` and its joint.
-fn describe(failure: Failure, time: f64, step: f64, names: &dyn Fn(usize) -> (String, String)) -> String {
+/// What failures are named by.
+struct Names {
+    bodies: Vec<String>,
+    joints: Vec<String>,
+    /// Loops, then couplings, then springs between points.
+    bonds: Vec<String>,
+}
+
+impl Names {
+    fn of(system: &System) -> Names {
+        let parts = &system.parts;
+        let joint = |body: usize| &system.bodies[body].joint.name;
+        let loops = parts.loops.iter().map(|closure| format!("loop '{}'", closure.name));
+        let couplings = parts.couplings.iter().map(|c| format!("the mimic of joint '{}'", joint(c.follower)));
+        let springs = (0..parts.point_springs.len()).map(|i| format!("spring {i} between points"));
+        Names {
+            bodies: system.bodies.iter().map(|b| b.name.clone()).collect(),
+            joints: system.bodies.iter().map(|b| b.joint.name.clone()).collect(),
+            bonds: loops.chain(couplings).chain(springs).collect(),
+        }
+    }
+}
+
+/// A failure with names, time and remedy.
+fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
     match failure {
         Failure::Rotation { body, angle } => format!(
             "t = {time:.6} s: body '{}' turns by h |Omega| = {angle:.3} rad in one step of {step} s, too far for the \
              Moser-Veselov equation; take a step below {:.1e} s, or rotation=cayley",
-            names(body).0,
+            names.bodies[body],
             0.5 * step / angle
         ),
         Failure::Constraint { joint, rounds, residual } => format!(
             "t = {time:.6} s: joint '{}' does not close after {rounds} rounds, residual {residual:.1e} m at a step of \
              {step} s; take a smaller step",
-            names(joint).1
+            names.joints[joint]
+        ),
+        Failure::Loop { index, rounds, residual } => format!(
+            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
+             where it passes a singular configuration; take a smaller step",
+            names.bonds[index]
         ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",
-            names(joint).1
+            names.joints[joint]
         ),
         Failure::NotFinite { body } => {
-            format!("t = {time:.6} s: the state of body '{}' is not a number at a step of {step} s", names(body).0)
+            format!("t = {time:.6} s: the state of body '{}' is not a number at a step of {step} s", names.bodies[body])
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::engines::{Engine, StepFailure};
 use crate::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use crate::mechanics::{Body, Joint, JointKind, State, System, energy};
+use crate::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 
 /// A flywheel of the given moment of inertia (kg m^2), damping (N m s/rad) and speed (rad/s) about the world's z axis.
 pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
@@ -29,6 +29,8 @@ pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
         initial,
         initial_coordinates: vec![coordinates],
         floating_base: None,
+        parts: Parts::default(),
+        mobility: Mobility::default(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! How far joints are from holding, in position and velocity.
 
-use super::coordinates::Placed;
-use super::{State, System};
+use super::coordinates::{JointCoordinates, Placed};
+use super::{Closure, Coupling, State, System};
 
 /// The largest joint residuals of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,15 +20,41 @@ pub fn joint_residual(system: &System, state: &State, body: usize) -> Residual {
     Residual { position, velocity }
 }
 
-/// The largest residual over all joints. NaN where any is.
+/// The residual of a loop closure.
+pub fn loop_residual(closure: &Closure, state: &State) -> Residual {
+    let (position, velocity) = closure.residual(state);
+    let largest = |values: Vec<f64>| values.into_iter().map(f64::abs).fold(0.0, larger);
+    Residual { position: largest(position), velocity: largest(velocity) }
+}
+
+/// The residual of a coupling at unwrapped joint coordinates.
+pub fn coupling_residual(coupling: &Coupling, joints: &[JointCoordinates]) -> Residual {
+    let (follower, source) = (&joints[coupling.follower], &joints[coupling.source]);
+    let position = follower.position[0] - coupling.multiplier * source.position[0] - coupling.offset;
+    let velocity = follower.velocity[0] - coupling.multiplier * source.velocity[0];
+    Residual { position: position.abs(), velocity: velocity.abs() }
+}
+
+/// The largest residual over all joints and loops. NaN where any is.
 pub fn residual(system: &System, state: &State) -> Residual {
-    (0..system.bodies.len()).map(|i| joint_residual(system, state, i)).fold(
-        Residual { position: 0.0, velocity: 0.0 },
-        |all, one| Residual {
-            position: larger(all.position, one.position),
-            velocity: larger(all.velocity, one.velocity),
-        },
-    )
+    let joints = (0..system.bodies.len()).map(|i| joint_residual(system, state, i));
+    let loops = system.parts.loops.iter().map(|closure| loop_residual(closure, state));
+    joints.chain(loops).fold(Residual::NONE, Residual::larger)
+}
+
+/// The largest residual over all joints, loops and couplings. `joints` are unwrapped coordinates of the state.
+pub fn residual_with_couplings(system: &System, state: &State, joints: &[JointCoordinates]) -> Residual {
+    let couplings = system.parts.couplings.iter().map(|coupling| coupling_residual(coupling, joints));
+    couplings.fold(residual(system, state), Residual::larger)
+}
+
+impl Residual {
+    const NONE: Residual = Residual { position: 0.0, velocity: 0.0 };
+
+    /// The larger of each figure; NaN where one is.
+    fn larger(self, other: Residual) -> Residual {
+        Residual { position: larger(self.position, other.position), velocity: larger(self.velocity, other.velocity) }
+    }
 }
 
 /// The larger of two numbers; NaN where one is.

@@ -4,14 +4,18 @@
 //! has its origin in the centre of mass and its axes along the principal axes of inertia. Each body hangs on exactly
 //! one [`Joint`]: a body that nothing holds hangs on the ground by a floating joint.
 
+mod closing;
 pub mod constraint;
 pub mod coordinates;
 pub mod energy;
 pub mod momentum;
+mod parts;
 mod system;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+pub use closing::{Given, Mobility};
+pub use parts::{Anchor, Closure, Coupling, Drive, JointSpring, Part, Parts, PointSpring};
 pub use system::CompileError;
 
 use coordinates::JointCoordinates;
@@ -22,12 +26,16 @@ pub struct System {
     pub name: String,
     /// Parents before children.
     pub bodies: Vec<Body>,
+    /// What there is beside the tree.
+    pub parts: Parts,
     /// m/s^2, world axes
     pub gravity: Vector3<f64>,
     /// The state at t = 0, on the constraint manifold to roundoff.
     pub initial: State,
     /// The coordinates that `initial` was built from, one entry a body.
     pub initial_coordinates: Vec<JointCoordinates>,
+    /// What loops and couplings leave free at t = 0.
+    pub mobility: Mobility,
     /// What relative energy errors are divided by, J. See [`energy::scale`].
     pub energy_scale: f64,
     /// Set where the root link is free: its frame, seen from the frame of the body that it is part of.
@@ -127,6 +135,16 @@ pub struct BodyState {
 }
 
 impl BodyState {
+    /// The state of the ground, as if it were a body.
+    pub fn ground() -> BodyState {
+        BodyState {
+            position: Vector3::zeros(),
+            attitude: UnitQuaternion::identity(),
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+        }
+    }
+
     /// Pose of the body frame in the world.
     pub fn pose(&self) -> Isometry3<f64> {
         Isometry3::from_parts(self.position.into(), self.attitude)

@@ -68,8 +68,11 @@ pub fn conserved(system: &System) -> Vec<Conserved> {
     let mut found = Vec::new();
     for (root, body) in system.bodies.iter().enumerate() {
         let joint = &body.joint;
-        if joint.parent.is_none() && joint.damping == 0.0 {
-            let bodies = subtree(system, root);
+        if joint.parent.is_some() || joint.damping > 0.0 {
+            continue;
+        }
+        let bodies = subtree(system, root);
+        if !pushed_from_outside(system, root, &bodies) {
             for (name, kind) in components(system, root) {
                 found.push(Conserved {
                     scale: momentum_scale(system, &bodies, &kind),
@@ -81,6 +84,21 @@ pub fn conserved(system: &System) -> Vec<Conserved> {
         }
     }
     found
+}
+
+/// True where a loop, coupling, spring or drive acts between a tree and what is not part of it, or along its ground joint.
+fn pushed_from_outside(system: &System, root: usize, tree: &[usize]) -> bool {
+    let parts = &system.parts;
+    let inside = |body: Option<usize>| body.is_some_and(|b| tree.contains(&b));
+    let leaves = |a: Option<usize>, b: Option<usize>| inside(a) != inside(b);
+    parts.loops.iter().any(|c| leaves(c.parent, c.child))
+        || parts.point_springs.iter().any(|s| leaves(s.from.body, s.to.body))
+        || parts
+            .couplings
+            .iter()
+            .any(|c| [c.follower, c.source].contains(&root) || leaves(Some(c.follower), Some(c.source)))
+        || parts.joint_springs.iter().any(|s| s.body == root)
+        || parts.drives.iter().any(|d| d.body == root)
 }
 
 /// The components that the ground joint of `root` and gravity leave invariant.

@@ -3,7 +3,9 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 
+use super::closing::{Closing, Given, Open};
 use super::coordinates::{JointCoordinates, forward_kinematics};
+use super::parts::{Anchor, Closure, Coupling, Drive, JointSpring, Parts, PointSpring};
 use super::{Body, FloatingBase, Joint, JointKind, System, energy};
 use crate::model::{self, Base, Model, Scene};
 
@@ -24,6 +26,30 @@ pub enum CompileError {
     FloatingDamping { scene: String, joint: String, damping: f64 },
     #[error("scene '{scene}': nothing moves; every link is fixed to the ground")]
     NothingMoves { scene: String },
+    #[error(
+        "scene '{scene}': {what} connects two places of one rigid body ('{body}'); remove it, or free a joint between them"
+    )]
+    WithinOneBody { scene: String, what: String, body: String },
+    #[error(
+        "scene '{scene}': joint '{joint}' mimics joint '{source_joint}'; both must have one coordinate (revolute, \
+         continuous or prismatic)"
+    )]
+    MimicCoordinates { scene: String, joint: String, source_joint: String },
+    #[error(
+        "scene '{scene}': {what} cannot be closed: {by:.3e} m or rad stay open at the nearest positions that were found; \
+         leave a joint of the loop out of \"initial\", or check its geometry"
+    )]
+    StaysOpen { scene: String, what: String, by: f64 },
+    #[error(
+        "scene '{scene}': the initial velocities open {what} at {by:.3e} m/s or rad/s; leave the velocity of a joint of \
+         the loop out of \"initial\""
+    )]
+    Opens { scene: String, what: String, by: f64 },
+    #[error(
+        "scene '{scene}': nothing can move: its loops take away {rank} of the tree's {tree} degrees of freedom where it \
+         starts"
+    )]
+    NoMobility { scene: String, tree: usize, rank: usize },
 }
 
 impl System {
@@ -37,6 +63,7 @@ impl System {
         let frames: Vec<Principal> = welded.assemblies.iter().map(|a| principal(&scene.model, a)).collect();
         let mut bodies = Vec::with_capacity(frames.len());
         let mut coordinates = Vec::with_capacity(frames.len());
+        let mut given = Vec::with_capacity(frames.len());
         for (assembly, frame) in welded.assemblies.iter().zip(&frames).skip(ground) {
             let (joint, theta) = match assembly.joint {
                 Some(j) => tree_joint(scene, j, &welded, &frames, ground),
@@ -46,16 +73,40 @@ impl System {
             check(scene, &name, &joint, frame)?;
             bodies.push(Body { name, mass: frame.mass, inertia: frame.moments, joint });
             coordinates.push(theta);
+            given.push(assembly.joint.map_or(BASE_GIVEN, |j| {
+                let initial = &scene.initial[j];
+                Given { position: initial.position_given, velocity: initial.velocity_given }
+            }));
         }
         if bodies.is_empty() {
             return Err(CompileError::NothingMoves { scene: scene.name.clone() });
         }
         let floating_base =
             (ground == 0).then(|| FloatingBase { body: 0, link_in_body: frames[0].body_in_assembly.inverse() });
+        let places = Places { scene, welded: &welded, frames: &frames, ground };
+        let parts = Parts {
+            loops: places.loops()?,
+            couplings: places.couplings()?,
+            joint_springs: places.joint_springs(),
+            point_springs: places.point_springs()?,
+            drives: places.drives(),
+        };
+        let closing = Closing::new(&bodies, &parts);
+        closing.close(&mut coordinates, &given).map_err(|open| stays_open(scene, &bodies, &parts, open))?;
+        let mobility = closing.mobility(&coordinates);
+        if mobility.degrees_of_freedom() == 0 {
+            return Err(CompileError::NoMobility {
+                scene: scene.name.clone(),
+                tree: mobility.tree,
+                rank: mobility.rank,
+            });
+        }
         let initial = forward_kinematics(&bodies, &coordinates);
         let energy_scale = energy::scale(&bodies, &scene.gravity, &initial);
         Ok(System {
             name: scene.name.clone(),
+            mobility,
+            parts,
             bodies,
             gravity: scene.gravity,
             initial,
@@ -65,9 +116,133 @@ impl System {
         })
     }
 
-    /// Number of coordinates that the joints leave free.
+    /// Number of coordinates that joints, loops and couplings leave free at t = 0.
     pub fn degrees_of_freedom(&self) -> usize {
-        self.bodies.iter().map(|b| b.joint.kind.degrees_of_freedom()).sum()
+        self.mobility.degrees_of_freedom()
+    }
+}
+
+/// The root of a floating scene is where the scene says.
+const BASE_GIVEN: Given = Given { position: true, velocity: true };
+
+/// The error for a loop or coupling that cannot be closed.
+fn stays_open(scene: &Scene, bodies: &[Body], parts: &Parts, open: Open) -> CompileError {
+    let what = |part: usize| match parts.loops.get(part) {
+        Some(closure) => format!("loop '{}'", closure.name),
+        None => {
+            let coupling = &parts.couplings[part - parts.loops.len()];
+            format!("the mimic of joint '{}'", bodies[coupling.follower].joint.name)
+        }
+    };
+    let name = scene.name.clone();
+    match open {
+        Open::Position { part, by } => CompileError::StaysOpen { scene: name, what: what(part), by },
+        Open::Velocity { part, by } => CompileError::Opens { scene: name, what: what(part), by },
+    }
+}
+
+/// Where links and joints of the model have gone.
+struct Places<'a> {
+    scene: &'a Scene,
+    welded: &'a Welded,
+    frames: &'a [Principal],
+    /// Number of assemblies that are the ground: 0 or 1.
+    ground: usize,
+}
+
+impl Places<'_> {
+    /// The body that a link is part of, and a pose in the link's frame in that body's frame; for the ground in the world.
+    fn place(&self, link: Option<usize>, pose: Isometry3<f64>) -> (Option<usize>, Isometry3<f64>) {
+        let Some(link) = link else { return (None, pose) };
+        let (assembly, link_pose) = self.welded.places[link];
+        match assembly.checked_sub(self.ground) {
+            Some(body) => (Some(body), self.frames[assembly].body_in_assembly.inverse() * link_pose * pose),
+            None => (None, link_pose * pose),
+        }
+    }
+
+    /// The child body of a joint that is not fixed.
+    fn body_of(&self, joint: usize) -> usize {
+        self.welded.places[self.scene.model.joints[joint].child].0 - self.ground
+    }
+
+    /// Refuses what connects a body with itself.
+    fn between(&self, what: String, a: Option<usize>, b: Option<usize>) -> Result<(), CompileError> {
+        if a != b {
+            return Ok(());
+        }
+        let top = |body: usize| self.welded.assemblies[body + self.ground].top;
+        let body = a.map_or("world", |body| &self.scene.model.links[top(body)].name).to_string();
+        Err(CompileError::WithinOneBody { scene: self.scene.name.clone(), what, body })
+    }
+
+    fn loops(&self) -> Result<Vec<Closure>, CompileError> {
+        let closure = |closure: &model::scene::Loop| {
+            let align = Isometry3::from_parts(Translation3::identity(), from_z_to(&closure.axis));
+            let (parent, in_parent) = self.place(closure.parent.link, closure.parent.origin * align);
+            let (child, in_child) = self.place(closure.child.link, closure.child.origin * align);
+            self.between(format!("loop '{}'", closure.name), parent, child)?;
+            Ok(Closure { name: closure.name.clone(), kind: closure.kind, parent, child, in_parent, in_child })
+        };
+        self.scene.loops.iter().map(closure).collect()
+    }
+
+    fn couplings(&self) -> Result<Vec<Coupling>, CompileError> {
+        let joints = &self.scene.model.joints;
+        let mimics = joints.iter().enumerate().filter_map(|(j, joint)| joint.mimic.as_ref().map(|mimic| (j, mimic)));
+        let coupling = |(j, mimic): (usize, &model::Mimic)| {
+            if [j, mimic.source].iter().any(|&j| joints[j].kind.degrees_of_freedom() != 1) {
+                let (scene, joint) = (self.scene.name.clone(), joints[j].name.clone());
+                let source_joint = joints[mimic.source].name.clone();
+                return Err(CompileError::MimicCoordinates { scene, joint, source_joint });
+            }
+            let (follower, source) = (self.body_of(j), self.body_of(mimic.source));
+            Ok(Coupling { follower, source, multiplier: mimic.multiplier, offset: mimic.offset })
+        };
+        mimics.map(coupling).collect()
+    }
+
+    fn joint_springs(&self) -> Vec<JointSpring> {
+        let spring = |spring: &model::scene::Spring| match *spring {
+            model::scene::Spring::Joint { joint, stiffness, damping, rest } => {
+                Some(JointSpring { body: self.body_of(joint), stiffness, damping, rest })
+            }
+            model::scene::Spring::Points { .. } => None,
+        };
+        self.scene.springs.iter().filter_map(spring).collect()
+    }
+
+    fn point_springs(&self) -> Result<Vec<PointSpring>, CompileError> {
+        let anchor = |anchor: &model::scene::Anchor| {
+            let (body, pose) = self.place(anchor.link, Isometry3::from(anchor.point));
+            Anchor { body, point: pose.translation.vector }
+        };
+        let spring = |(i, spring): (usize, &model::scene::Spring)| match spring {
+            model::scene::Spring::Points { from, to, stiffness, damping, rest_length } => {
+                let (from, to) = (anchor(from), anchor(to));
+                let between = self.between(format!("springs[{i}]"), from.body, to.body);
+                Some(between.map(|()| PointSpring {
+                    from,
+                    to,
+                    stiffness: *stiffness,
+                    damping: *damping,
+                    rest_length: *rest_length,
+                }))
+            }
+            model::scene::Spring::Joint { .. } => None,
+        };
+        self.scene.springs.iter().enumerate().filter_map(spring).collect()
+    }
+
+    fn drives(&self) -> Vec<Drive> {
+        let drive = |drive: &model::scene::Drive| Drive {
+            body: self.body_of(drive.joint),
+            effort: drive.effort,
+            amplitude: drive.amplitude,
+            angular_frequency: std::f64::consts::TAU * drive.frequency_hz,
+            phase: drive.phase,
+        };
+        self.scene.drives.iter().map(drive).collect()
     }
 }
 

@@ -260,7 +260,6 @@ impl<'a> Walk<'a> {
             attributes.extend(self.numbers(node, element, attribute, 1)?.map(|value| (attribute, value)));
         }
         self.leaf("mimic", &attributes);
-        self.ignore(element, "mimic", attributes_text(node));
         Ok(())
     }
 

@@ -24,6 +24,7 @@ impl Scene {
             (matches!(self.base, Base::Floating { .. }), "floating base"),
             (self.gravity.norm() > 0.0, "gravity"),
             (any(&|j| j.damping > 0.0 && j.kind != JointKind::Fixed), "damping"),
+            (any(&|j| j.mimic.is_some()), "mimic joints"),
             (closes(LoopKind::Revolute), "revolute loops"),
             (closes(LoopKind::Spherical), "ball loops"),
             (closes(LoopKind::Fixed), "fixed loops"),

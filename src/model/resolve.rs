@@ -155,7 +155,12 @@ fn joint_initial(joint: &str, kind: JointKind, state: &JointStateFile) -> Result
         let problem = SceneProblem::CoordinateCount { key, joint: joint.to_owned(), kind: kind.name(), expected, got };
         if got == expected { Ok(values) } else { Err(problem) }
     };
-    Ok(JointInitial { position: values("position", &state.position)?, velocity: values("velocity", &state.velocity)? })
+    Ok(JointInitial {
+        position: values("position", &state.position)?,
+        velocity: values("velocity", &state.velocity)?,
+        position_given: state.position.is_some(),
+        velocity_given: state.velocity.is_some(),
+    })
 }
 
 fn loops(files: &[LoopFile], names: &Names) -> Result<Vec<Loop>, SceneProblem> {
@@ -338,8 +343,11 @@ mod tests {
             r#"{"model": "m.urdf", "steps": [0.001, 0.01, 0.001], "initial": {"joints": {
                 "elbow": {"position": 1, "velocity": [0.5]}, "ball": {"velocity": [1, 2, 3]}}}}"#,
         );
-        assert_eq!(scene.initial[0], JointInitial { position: vec![1.0], velocity: vec![0.5] });
-        assert_eq!(scene.initial[1], JointInitial { position: vec![0.0; 3], velocity: vec![1.0, 2.0, 3.0] });
+        let both =
+            JointInitial { position: vec![1.0], velocity: vec![0.5], position_given: true, velocity_given: true };
+        assert_eq!(scene.initial[0], both);
+        let turning = JointInitial { position: vec![0.0; 3], velocity: vec![1.0, 2.0, 3.0], ..both };
+        assert_eq!(scene.initial[1], JointInitial { position_given: false, ..turning });
         assert_eq!(scene.steps, [0.01, 0.001]);
     }
 

@@ -51,6 +51,9 @@ pub enum Base {
 pub struct JointInitial {
     pub position: Vec<f64>,
     pub velocity: Vec<f64>,
+    /// Whether the scene gave them. What it did not give is solved for where loops or mimic joints need it.
+    pub position_given: bool,
+    pub velocity_given: bool,
 }
 
 /// A joint that closes a loop, between two places that the tree already connects.
@@ -149,7 +152,7 @@ impl Scene {
     pub fn of_model(name: &str, model: Model) -> Scene {
         let at_rest = |joint: &super::Joint| {
             let zero = vec![0.0; joint.kind.degrees_of_freedom()];
-            JointInitial { position: zero.clone(), velocity: zero }
+            JointInitial { position: zero.clone(), velocity: zero, ..JointInitial::default() }
         };
         Scene {
             name: name.to_owned(),

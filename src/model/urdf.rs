@@ -330,7 +330,6 @@ mod tests {
                 "joint 'j': safety_controller (k_velocity 3)",
                 "joint 'j': calibration (rising 0)",
                 "joint 'k': damping (0.5)",
-                "joint 'l': mimic (joint j, multiplier 2)",
                 "robot: transmission (name t)",
                 "robot: gazebo (reference a)",
             ]

@@ -1,10 +1,22 @@
 //! The equations of motion in joint coordinates, on trees: constraints hold by construction.
 //!
 //! [`Model`] lists the links with positions `q` (angles and lengths; unit quaternions for ball and free joints) and
-//! velocities `v`. [`recursive`] has mass matrix and bias force in link axes, `H(q) a + b(q, v) = tau`, solved as a dense
-//! system; the reference rests on it. Nothing here shares code with the variational core.
+//! velocities `v`. Three formulations of its dynamics stand side by side; none shares code with the variational core.
+//!
+//! - [`recursive`]: mass matrix and bias force in link axes, `H(q) a + b(q, v) = tau`, solved as a dense system. The
+//!   reference rests on it, and it shares nothing but the model with the other two.
+//! - [`articulated`]: accelerations by the articulated-body recursion in world axes, O(n), for the fixed-step and adaptive
+//!   methods that a careful user would take instead of a constrained integrator.
+//! - [`galerkin`]: the Galerkin variational integrator on Hamilton's equations, O(n).
 
+pub mod articulated;
+mod compensated;
+pub mod galerkin;
+mod gauss;
+mod hamiltonian;
 mod model;
+mod place;
 pub mod recursive;
+mod spatial;
 
 pub use model::{Link, Model};

@@ -22,6 +22,8 @@ pub struct Link {
     pub first_moment: Vector3<f64>,
     /// Inertia about the origin of the link frame, in its axes, kg m^2.
     pub inertia: Matrix3<f64>,
+    /// Mass of the link and of all links beyond it, kg.
+    pub mass_beyond: f64,
     /// N m s/rad or N s/m, for each velocity.
     pub damping: f64,
     /// First position and first velocity of the joint.
@@ -59,7 +61,7 @@ const fn positions_of(kind: JointKind) -> usize {
 impl Model {
     pub fn new(system: &System) -> Model {
         let (mut positions, mut velocities) = (0, 0);
-        let mut links = Vec::with_capacity(system.bodies.len());
+        let mut links: Vec<Link> = Vec::with_capacity(system.bodies.len());
         for body in &system.bodies {
             let joint = &body.joint;
             let in_parent = match joint.parent {
@@ -77,6 +79,7 @@ impl Model {
                 parent_axes: in_parent.rotation.to_rotation_matrix().into_inner(),
                 body: in_link,
                 mass: body.mass,
+                mass_beyond: body.mass,
                 first_moment: body.mass * c,
                 inertia: axes * Matrix3::from_diagonal(&body.inertia) * axes.transpose() + parallel,
                 damping: joint.damping,
@@ -85,6 +88,11 @@ impl Model {
             });
             positions += positions_of(joint.kind);
             velocities += joint.kind.degrees_of_freedom();
+        }
+        for i in (0..links.len()).rev() {
+            if let Some(p) = links[i].parent {
+                links[p].mass_beyond += links[i].mass_beyond;
+            }
         }
         Model { links, gravity: system.gravity, positions, velocities, initial: system.initial_coordinates.clone() }
     }
@@ -122,6 +130,13 @@ impl Model {
         (q, v)
     }
 
+    /// How often the positions of a collocation step are gone over before they are used: the rates of quaternions and of
+    /// planar joints depend on the positions themselves.
+    pub(super) fn turns(&self) -> usize {
+        let straight = |link: &Link| matches!(link.kind, JointKind::Revolute | JointKind::Prismatic);
+        if self.links.iter().all(straight) { 0 } else { 2 }
+    }
+
     /// `qdot` of the positions at the given velocities; a quaternion turns by `qdot = 1/2 q (0, omega)`.
     pub fn rates(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
         for link in &self.links {
@@ -141,6 +156,45 @@ impl Model {
                     out[3..7].copy_from_slice(&turning(&q[3..7], &v[3..6]));
                 }
             }
+        }
+    }
+
+    /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions exactly.
+    pub fn advance(&self, q: &mut [f64], v: &[f64], h: f64) {
+        let turn = |q: &mut [f64], omega: &[f64]| {
+            let by = UnitQuaternion::from_scaled_axis(Vector3::new(omega[0], omega[1], omega[2]) * h);
+            q.copy_from_slice((rotation(q) * by).coords.as_slice());
+        };
+        for link in &self.links {
+            let (q, v) = (&mut q[link.position..], &v[link.velocity..]);
+            match link.kind {
+                JointKind::Revolute | JointKind::Prismatic => q[0] += h * v[0],
+                JointKind::Planar => {
+                    let (s, c) = q[2].sin_cos();
+                    q[0] += h * (c * v[0] - s * v[1]);
+                    q[1] += h * (s * v[0] + c * v[1]);
+                    q[2] += h * v[2];
+                }
+                JointKind::Spherical => turn(&mut q[..4], &v[..3]),
+                JointKind::Floating => {
+                    let way = rotation(&q[3..7]) * Vector3::new(v[0], v[1], v[2]) * h;
+                    (0..3).for_each(|k| q[k] += way[k]);
+                    turn(&mut q[3..7], &v[3..6]);
+                }
+            }
+        }
+    }
+
+    /// Gives every quaternion its unit length back.
+    pub fn normalise(&self, q: &mut [f64]) {
+        for link in &self.links {
+            let start = match link.kind {
+                JointKind::Spherical => link.position,
+                JointKind::Floating => link.position + 3,
+                _ => continue,
+            };
+            let unit = rotation(&q[start..start + 4]);
+            q[start..start + 4].copy_from_slice(unit.coords.as_slice());
         }
     }
 

@@ -4,14 +4,18 @@
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
 //! body turns by a rule of [`rotation`]; [`composition`] raises the order.
 
+mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
 mod joints;
+mod loops;
 mod newton;
+mod orthogonal;
 mod predictor;
 pub mod rattle;
 pub mod rotation;
+mod rows;
 mod spatial;
 mod tree;
 

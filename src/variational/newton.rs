@@ -44,7 +44,10 @@ pub(super) struct Newton {
     /// Twist at the joint point at `q1` to wrench about the joint point at `q0`, children included.
     a: Vec<Matrix6<f64>>,
     s1: Vec<Matrix6x3>,
-    /// `D^-1 S0^T A`
+    /// `A S1`
+    u: Vec<Matrix6x3>,
+    /// `D^-1 S0^T` and `D^-1 S0^T A`
+    d_s: Vec<Matrix3x6>,
     v: Vec<Matrix3x6>,
     /// Right-hand sides, summed towards the root.
     rhs: Vec<Vector6<f64>>,
@@ -69,6 +72,8 @@ impl Newton {
             tried: vec![rest; nodes],
             a: vec![Matrix6::zeros(); nodes],
             s1: vec![Matrix6x3::zeros(); nodes],
+            u: vec![Matrix6x3::zeros(); nodes],
+            d_s: vec![Matrix3x6::zeros(); nodes],
             v: vec![Matrix3x6::zeros(); nodes],
             rhs: vec![Vector6::zeros(); nodes],
             sigma: vec![Vector3::zeros(); nodes],
@@ -120,9 +125,9 @@ impl Newton {
                 d[(k, k)] += if k < nodes[i].kind.degrees_of_freedom() { tried.implicit } else { 1.0 };
             }
             let d_inverse = d.try_inverse().ok_or(Singular { node: i })?;
-            self.s1[i] = s1;
-            self.v[i] = d_inverse * left;
-            let biased = self.rhs[i] - self.a[i] * bias(tried, carried, h).to_vector();
+            (self.s1[i], self.u[i]) = (s1, u);
+            (self.d_s[i], self.v[i]) = (d_inverse * s0.transpose(), d_inverse * left);
+            let biased = self.rhs[i] - self.a[i] * closing_twist(&tried.locked, &tried.turn, carried, h).to_vector();
             self.sigma[i] = d_inverse * (s0.transpose() * biased - tried.along);
             if parent > 0 {
                 let passed = self.a[i] - u * self.v[i];
@@ -138,20 +143,59 @@ impl Newton {
             }
             let carried = twist_shift(&self.offset1[i]) * self.eta[parent];
             let sigma = self.sigma[i] - self.v[i] * carried;
-            let bias = bias(&self.tried[i], &self.tried[parent].motion, h).to_vector();
+            let tried = &self.tried[i];
+            let bias = closing_twist(&tried.locked, &tried.turn, &self.tried[parent].motion, h).to_vector();
             self.eta[i] = carried + bias + self.s1[i] * sigma;
             add(i, Spatial::from_vector(&(self.a[i] * self.eta[i] - self.rhs[i])));
         }
         Ok(())
     }
+
+    /// What impulses on the bodies at `q0` cause beside the joints' closing, with the factors of the last
+    /// [`Newton::correct`]: `load` writes them about the joint points, `add(i, f)` gets the change of each joint's impulse,
+    /// [`Newton::motion`] has the twists.
+    ///
+    /// # Errors
+    /// A block that cannot be inverted.
+    pub(super) fn respond(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        load: impl FnOnce(&mut [Vector6<f64>]),
+        mut add: impl FnMut(usize, Wrench),
+    ) -> Result<(), Singular> {
+        self.rhs.fill(Vector6::zeros());
+        load(&mut self.rhs);
+        for i in (1..nodes.len()).rev().filter(|&i| nodes[i].kind != JointKind::Floating) {
+            self.sigma[i] = self.d_s[i] * self.rhs[i];
+            let passed = self.rhs[i] - self.u[i] * self.sigma[i];
+            self.rhs[nodes[i].parent] += wrench_shift(&places[i].offset) * passed;
+        }
+        self.eta[0] = Vector6::zeros();
+        for i in 1..nodes.len() {
+            if nodes[i].kind == JointKind::Floating {
+                self.eta[i] = self.a[i].lu().solve(&self.rhs[i]).ok_or(Singular { node: i })?;
+                continue;
+            }
+            let carried = twist_shift(&self.offset1[i]) * self.eta[nodes[i].parent];
+            self.eta[i] = carried + self.s1[i] * (self.sigma[i] - self.v[i] * carried);
+            add(i, Spatial::from_vector(&(self.a[i] * self.eta[i] - self.rhs[i])));
+        }
+        Ok(())
+    }
+
+    /// Twist of a node at its joint point in the last solution.
+    pub(super) fn motion(&self, node: usize) -> Twist {
+        Spatial::from_vector(&self.eta[node])
+    }
 }
 
 /// The relative twist that closes a joint in `h`: the change of the Cayley vector `turn` by `-e` is a rotation by
 /// `-2 / (1 + |turn|^2) (e + turn x e)` before the parent's own rotation.
-fn bias(tried: &Tried, carried: &Motion, h: f64) -> Twist {
-    let (e, turn) = (0.5 * tried.locked.angular, &tried.turn);
+pub(super) fn closing_twist(locked: &Twist, turn: &Vector3<f64>, carried: &Motion, h: f64) -> Twist {
+    let e = 0.5 * locked.angular;
     let rotation = (e + turn.cross(&e)) * (2.0 / (1.0 + turn.norm_squared()));
-    Spatial::new(tried.locked.linear, rotation + carried.turned(&rotation)).scaled(-1.0 / h)
+    Spatial::new(locked.linear, rotation + carried.turned(&rotation)).scaled(-1.0 / h)
 }
 
 /// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` as [`super::rotation::Rotation::derivative`] gives it.

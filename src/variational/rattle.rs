@@ -28,6 +28,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
+use super::loops::{Loops, Worst};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
 use super::rotation::Rotation;
@@ -50,6 +51,8 @@ pub enum Failure {
     Rotation { body: usize, angle: f64 },
     /// The constraint iteration stopped contracting.
     Constraint { joint: usize, rounds: usize, residual: f64 },
+    /// A loop, coupling or spring does not close, or cannot: the index among loops, then couplings, then springs.
+    Loop { index: usize, rounds: usize, residual: f64 },
     /// A joint can move without moving any mass.
     Singular { joint: usize },
     /// A body's state stopped being a number.
@@ -111,6 +114,8 @@ pub struct Rattle {
     twist: Vec<Twist>,
     predictor: Predictor,
     newton: Newton,
+    /// Loops, couplings and springs between points, where there are any.
+    loops: Option<Box<Loops>>,
     /// s since the start, for the predictor.
     time: f64,
     /// A length of the system, which weighs angles against positions, m.
@@ -162,13 +167,16 @@ impl Rattle {
             pose[i + 1] = Pose::new(b.position, b.attitude.coords);
         }
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let tree = Tree::new(&nodes);
+        let damped = nodes.iter().any(|node| node.damping > 0.0).then(|| tree.clone());
         let mut rattle = Rattle {
             gravity: system.gravity,
             rotation: Rotation::MoserVeselov,
             bodies,
             places: vec![Place::GROUND; n],
-            tree: Tree::new(&nodes),
-            damped: nodes.iter().any(|node| node.damping > 0.0).then(|| Tree::new(&nodes)),
+            loops: Loops::new(system, &nodes, &tree, damped.is_some()),
+            tree,
+            damped,
             pose,
             gap0: vec![Spatial::ZERO; n],
             trial: vec![rest; n],
@@ -185,6 +193,9 @@ impl Rattle {
             nodes,
         };
         rattle.factorise()?;
+        if let Some(loops) = &mut rattle.loops {
+            loops.start();
+        }
         rattle.project_momenta(0.0);
         Ok(rattle)
     }
@@ -205,8 +216,16 @@ impl Rattle {
                 .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |i| 0.5 * h * nodes[i].damping)
                 .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         }
+        if let Some(loops) = &mut self.loops {
+            let tree = self.damped.as_ref().unwrap_or(&self.tree);
+            loops.prepare(h, tree, &self.nodes, &self.places, &mobility(&self.nodes, &self.pose));
+        }
         self.solve_constraints(h)?;
         self.predictor.record(self.time, h, &self.pose, &self.wrench);
+        if let Some(loops) = &mut self.loops {
+            loops.record(self.time, h);
+            loops.accept(RETURN);
+        }
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear); // (1)
             body.pi.add(&trial.kick.angular);
@@ -229,6 +248,9 @@ impl Rattle {
                 Some(degree) => self.predictor.predict(self.time, h, degree, &self.pose, &mut self.wrench),
                 None => self.wrench.fill(Spatial::ZERO),
             }
+            if let Some(loops) = &mut self.loops {
+                loops.predict(self.time, h, degree);
+            }
             for i in (1..self.nodes.len()).filter(|&i| self.nodes[i].damping == 0.0) {
                 keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
             }
@@ -244,25 +266,35 @@ impl Rattle {
         let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
         loop {
             self.kick_and_drift(h)?;
-            let (joint, residual, roundoff) = self.measure_mismatch(h);
+            let (mut place, mut residual, mut roundoff) = self.measure_mismatch(h);
+            if let Some(worst) = self.measure_loops(h) {
+                roundoff = roundoff.max(f64::EPSILON * worst.roundoff);
+                if !(worst.size <= residual) {
+                    (place, residual) = (Open::Loop(worst.bond), worst.size);
+                }
+            }
             if !residual.is_finite() {
-                return Err(Failure::NotFinite { body: joint });
+                let body = if let Open::Joint(body) = place { body } else { 0 };
+                return Err(Failure::NotFinite { body });
             }
             // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
             let near = if exact { 1e4 } else { 64.0 };
             let stagnant = residual > 0.3 * last && residual <= near * roundoff;
             if residual <= roundoff || stagnant {
-                return Ok(());
+                return self.refuse_contradictions(rounds);
             }
             let slow = residual > 0.2 * last;
             if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
-                return Err(Failure::Constraint { joint, rounds, residual });
+                return Err(match place {
+                    Open::Joint(joint) => Failure::Constraint { joint, rounds, residual },
+                    Open::Loop(index) => Failure::Loop { index, rounds, residual },
+                });
             }
             exact |= slow && rounds >= 3;
             if exact {
                 self.relinearise_and_correct(h)?
             } else {
-                self.correct()
+                self.correct(h)
             }
             (last, rounds) = (residual, rounds + 1);
             self.rounds += 1;
@@ -276,6 +308,9 @@ impl Rattle {
         }
         for i in 1..self.nodes.len() {
             add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
+        }
+        if let Some(loops) = &self.loops {
+            loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
         }
         for i in 1..self.nodes.len() {
             let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
@@ -301,7 +336,7 @@ impl Rattle {
 
     /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
     /// the system's length), and how small roundoff lets it become.
-    fn measure_mismatch(&mut self, h: f64) -> (usize, f64, f64) {
+    fn measure_mismatch(&mut self, h: f64) -> (Open, f64, f64) {
         // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
         let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
         for i in 1..self.nodes.len() {
@@ -322,13 +357,41 @@ impl Rattle {
             }
             roundoff = trial.roundoff.max(roundoff);
         }
-        (joint, worst, f64::EPSILON * roundoff)
+        (Open::Joint(joint), worst, f64::EPSILON * roundoff)
+    }
+
+    fn measure_loops(&mut self, h: f64) -> Option<Worst> {
+        let trial = &self.trial;
+        let loops = self.loops.as_mut()?;
+        Some(loops.measure(h, &self.nodes, &self.places, &|i| trial[i].motion, self.length))
+    }
+
+    /// Fails where redundant rows contradict each other: no impulse closes the loop.
+    fn refuse_contradictions(&mut self, rounds: usize) -> Result<(), Failure> {
+        let open = self.loops.as_mut().and_then(|loops| loops.contradiction(&self.nodes, self.length));
+        open.map_or(Ok(()), |(index, residual)| Err(Failure::Loop { index, rounds, residual }))
     }
 
     /// (3): one round of the chord iteration.
-    fn correct(&mut self) {
+    fn correct(&mut self, h: f64) {
+        let Some(mut loops) = self.loops.take() else {
+            self.correct_tree(|_, _| ());
+            return;
+        };
+        let twist = loops.first_pass();
+        self.correct_tree(|i, v| twist[i] = *v);
+        let (tree, wrench) = (self.damped.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
+        loops.correct(h, tree, &self.nodes, &self.places, |i, f| wrench[i] += f);
+        self.loops = Some(loops);
+    }
+
+    /// The part of it that the tree does alone; `twist(i, v)` gets the twists at the joint points.
+    fn correct_tree(&mut self, mut twist: impl FnMut(usize, &Twist)) {
         let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
-        let add = |i: usize, _: &Twist, f: Wrench| wrench[i] += f;
+        let add = |i: usize, v: &Twist, f: Wrench| {
+            wrench[i] += f;
+            twist(i, v);
+        };
         match &mut self.damped {
             None => self.tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add),
             Some(damped) => damped.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add),
@@ -350,10 +413,14 @@ impl Rattle {
                 implicit: 0.5 * h * node.damping,
             };
         }
-        let wrench = &mut self.wrench;
-        self.newton
-            .correct(&self.nodes, &self.places, h, |i, f| wrench[i] += f)
-            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+        let (wrench, trial) = (&mut self.wrench, &self.trial);
+        let (nodes, places, newton) = (&self.nodes, &self.places, &mut self.newton);
+        let mut solved = newton.correct(nodes, places, h, |i, f| wrench[i] += f);
+        if let (Ok(()), Some(loops)) = (solved, &mut self.loops) {
+            let motion = |i: usize| trial[i].motion;
+            solved = loops.correct_exactly(h, newton, nodes, &self.pose, places, &motion, |i, f| wrench[i] += f);
+        }
+        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
     /// Places the joints at the start configuration and factorises there.
@@ -368,7 +435,12 @@ impl Rattle {
         let (nodes, pose) = (&self.nodes, &self.pose);
         self.tree
             .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
-            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
+            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
+        if let Some(loops) = &mut self.loops {
+            loops.place(nodes, pose, &self.places, RETURN);
+            loops.factorise(&self.tree, nodes, &self.places, &mobility(nodes, pose));
+        }
+        Ok(())
     }
 
     /// (4) and (5): the second half kick of a step of size `h`, and the joint impulses that make the twists fit.
@@ -382,6 +454,15 @@ impl Rattle {
                 let impulse = along_joint(&nodes[i], &self.places[i], &(-0.5 * nodes[i].damping * self.travel[i]));
                 add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
             }
+        }
+        if let Some(loops) = &mut self.loops {
+            if h != 0.0 {
+                loops.push_springs(&self.places, |i, impulse| self.trial[i].kick += impulse);
+            }
+            let (trial, first) = (&self.trial, loops.first_pass());
+            let momentum = |i: usize| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick;
+            self.tree.project(nodes, &self.places, momentum, |i, v, _| first[i] = *v);
+            loops.project(&self.places, |i, impulse| self.trial[i].kick += impulse);
         }
         let trial = &self.trial;
         self.tree.project(
@@ -426,6 +507,22 @@ impl Rattle {
     /// Rounds of the constraint iteration since the start.
     pub fn rounds(&self) -> u64 {
         self.rounds
+    }
+}
+
+/// Where a step is farthest from closed: a joint, by its body, or a bond.
+#[derive(Clone, Copy, Debug)]
+enum Open {
+    Joint(usize),
+    Loop(usize),
+}
+
+/// `w M^-1 w` of a wrench about the centre of mass of a free body.
+fn mobility(nodes: &[Node], pose: &[Pose]) -> impl Fn(usize, &Wrench) -> f64 {
+    |i, wrench| {
+        let torque = pose[i].r.tr_mul(&wrench.angular);
+        let turning = torque.component_mul(&torque).component_div(&nodes[i].inertia).sum();
+        wrench.linear.norm_squared() / nodes[i].mass + turning
     }
 }
 

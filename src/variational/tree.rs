@@ -47,6 +47,8 @@ pub(super) struct Tree {
     along: Vec<Vector3<f64>>,
     /// Twists of the solution at the joint points.
     twist: Vec<Twist>,
+    /// Index of each node's first degree of freedom, and their number at the end.
+    first: Vec<usize>,
 }
 
 /// The articulated inertia along a joint is not positive: the joint can move without moving any mass.
@@ -65,7 +67,81 @@ impl Tree {
             rhs: vec![Spatial::ZERO; nodes.len()],
             along: vec![Vector3::zeros(); nodes.len()],
             twist: vec![Spatial::ZERO; nodes.len()],
+            first: std::iter::once(0)
+                .chain(nodes.iter().skip(1).scan(0, |sum, node| {
+                    *sum += node.kind.degrees_of_freedom();
+                    Some(*sum)
+                }))
+                .collect(),
         }
+    }
+
+    /// Number of degrees of freedom of the tree.
+    pub(super) fn freedoms(&self) -> usize {
+        self.first.last().copied().unwrap_or(0)
+    }
+
+    /// `D^-1/2 S^T rhs` of every joint on the way of the given wrenches (about joint points) to the ground, so that the
+    /// dot product of two loads' innovations is what one load sees of the response to the other.
+    pub(super) fn innovations(&self, nodes: &[Node], places: &[Place], load: &[(usize, Wrench)], out: &mut [f64]) {
+        let mut front = [(0, Spatial::ZERO); 4];
+        front[..load.len()].copy_from_slice(load);
+        loop {
+            let node = front.iter().map(|(node, _)| *node).max().unwrap_or(0);
+            if node == 0 {
+                return;
+            }
+            let mut rhs = Spatial::ZERO;
+            let mut slot = None;
+            for (k, entry) in front.iter_mut().enumerate().filter(|(_, entry)| entry.0 == node) {
+                rhs += entry.1;
+                *entry = (0, Spatial::ZERO);
+                slot = Some(k);
+            }
+            let out = &mut out[self.first[node - 1]..self.first[node]];
+            match &self.elimination[node] {
+                Elimination::Hinge { n, u, d_inverse } => {
+                    let s_rhs = n.dot(&rhs.angular);
+                    out[0] = s_rhs * d_inverse.sqrt();
+                    rhs -= u.scaled(d_inverse * s_rhs);
+                }
+                Elimination::Slider { n, u, d_inverse } => {
+                    let s_rhs = n.dot(&rhs.linear);
+                    out[0] = s_rhs * d_inverse.sqrt();
+                    rhs -= u.scaled(d_inverse * s_rhs);
+                }
+                Elimination::Three { s, u, d_inverse } => {
+                    let s_rhs = Vector3::from_fn(|k, _| s[k].dot(&rhs));
+                    if let Some(root) = Cholesky::new(*d_inverse) {
+                        out.copy_from_slice(root.l().tr_mul(&s_rhs).as_slice());
+                    }
+                    let sigma = d_inverse * s_rhs;
+                    rhs -= u[0].scaled(sigma.x) + u[1].scaled(sigma.y) + u[2].scaled(sigma.z);
+                }
+                Elimination::Free { a } => {
+                    let mut x = rhs.to_vector();
+                    a.l_dirty().solve_lower_triangular_mut(&mut x);
+                    out.copy_from_slice(x.as_slice());
+                    continue;
+                }
+            }
+            if let Some(slot) = slot {
+                front[slot] = (nodes[node].parent, rhs.wrench_from(&places[node].offset));
+            }
+        }
+    }
+
+    /// Solves `M v = b + G^T lambda`, `G v = 0` for wrenches `b` about the joint points, which `load` writes.
+    pub(super) fn respond(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        load: impl FnOnce(&mut [Wrench]),
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) {
+        self.rhs.fill(Spatial::ZERO);
+        load(&mut self.rhs);
+        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what the

@@ -27,7 +27,7 @@ use rattlebench::discrete::solve::central_difference;
 use rattlebench::discrete::system::{Mechanical, SharedSystem};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use rattlebench::mechanics::{Body, Joint, JointKind, System};
+use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, System};
 use rattlebench::variational::Rattle;
 
 /// Steps that are compared in each case: the later ones start from extrapolated multipliers.
@@ -258,6 +258,8 @@ fn a_weightless_pendulum_at_rest_stays_at_rest() {
         initial_coordinates,
         energy_scale: 1.0,
         floating_base: None,
+        parts: Parts::default(),
+        mobility: Mobility::default(),
     };
     let mut rattle = Rattle::new(&system).unwrap();
     for _ in 0..100 {

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 use proptest::array::{uniform3, uniform6};
 use proptest::prelude::*;
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use rattlebench::mechanics::{Body, Joint, JointKind, System};
+use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, System};
 
 /// All joint kinds.
 pub const KINDS: [JointKind; 5] =
@@ -52,6 +52,8 @@ pub fn tree() -> impl Strategy<Value = System> {
             initial_coordinates,
             energy_scale: 1.0,
             floating_base: None,
+            parts: Parts::default(),
+            mobility: Mobility::default(),
         }
     })
 }

@@ -88,7 +88,7 @@ fn moving(name: &str, floating: bool, tree: &Tree) -> System {
         let values = |scale: f64, phase: f64| {
             (0..kind.degrees_of_freedom()).map(|k| scale * (1.3 * (i + k) as f64 + phase).cos()).collect()
         };
-        JointInitial { position: values(0.6, 0.2), velocity: values(1.5, 0.9) }
+        JointInitial { position: values(0.6, 0.2), velocity: values(1.5, 0.9), ..JointInitial::default() }
     });
     let base = if floating {
         Base::Floating {

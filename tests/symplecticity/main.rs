@@ -15,7 +15,7 @@ use rattlebench::discrete::structure::{canonical_form, join, split};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use rattlebench::mechanics::{Body, Joint, JointKind, State, System, energy};
+use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 use rattlebench::model::Scene;
 
 /// s
@@ -128,6 +128,8 @@ fn five_links() -> System {
         initial_coordinates,
         energy_scale,
         floating_base: None,
+        parts: Parts::default(),
+        mobility: Mobility::default(),
     }
 }
 

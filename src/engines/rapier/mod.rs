@@ -49,6 +49,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rapier",
     summary: "rapier 0.36: impulse or multibody joints, f32 or f64; bare, what a rapier user gets by default",
     keys: KEYS,
+    parts: &[],
     build,
 };
 

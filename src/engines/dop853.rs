@@ -1,0 +1,141 @@
+//! The Dormand-Prince pair of order 8(5,3) at a tolerance, in joint coordinates with articulated-body accelerations.
+//!
+//! Method, error estimate and step control are those of DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential
+//! Equations I, 2nd ed. 1993, section II.10); the coefficients are those of the crate `differential-equations`. 12 evaluations
+//! a step, no allocation. The integration lands on every step of the run: to let the tolerance set the cost, take a step that
+//! is longer than its own. Not symplectic: its energy drifts in proportion to time, the more the looser the tolerance.
+
+use differential_equations::tableau::ButcherTableau;
+
+use super::joint_coordinates::JointCoordinates;
+use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
+use crate::mechanics::{State, System};
+
+static TOLERANCE: Number = Number {
+    name: "tolerance",
+    min: 1e-15,
+    max: 1e-1,
+    default: 1e-9,
+    whole: false,
+    summary: "relative and absolute tolerance of the local error",
+};
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "dop853",
+    summary: "Dormand-Prince order 8 on joint coordinates, adaptive within the step: accurate, energy drifts",
+    keys: &[Key::Number(&TOLERANCE)],
+    build,
+};
+
+const STAGES: usize = 12;
+
+fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    let state = JointCoordinates::new(spec, system, step)?;
+    let room = || vec![0.0; state.y.len()];
+    let mut engine = Dop853 {
+        tableau: ButcherTableau::dop853(),
+        tolerance: spec.number(&TOLERANCE),
+        natural: step,
+        rates: std::array::from_fn(|_| room()),
+        at: room(),
+        next: room(),
+        state,
+    };
+    engine
+        .state
+        .rates(&engine.state.y.clone(), &mut engine.rates[0])
+        .map_err(|failure| Unsupported { engine: spec.to_string(), what: failure.to_string() })?;
+    engine.natural = engine.first_step();
+    Ok(Box::new(engine))
+}
+
+struct Dop853 {
+    state: JointCoordinates,
+    tableau: ButcherTableau<f64, STAGES, 16>,
+    tolerance: f64,
+    /// The step that the control would take next, s.
+    natural: f64,
+    /// `k_i`; the first is `dy/dt` at the present state.
+    rates: [Vec<f64>; STAGES],
+    at: Vec<f64>,
+    next: Vec<f64>,
+}
+
+impl Engine for Dop853 {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        let step = self.state.step_size();
+        let (mut reached, mut rejected) = (0.0, false);
+        while reached < step {
+            let rest = step - reached;
+            let h = if self.natural >= rest {
+                rest
+            } else {
+                self.natural.min(0.5 * rest).max(self.natural.min(rest) * 0.5)
+            };
+            if !(h > 1e-14 * step) {
+                return Err(self.state.diverged());
+            }
+            let error = self.attempt(h)?;
+            // Roundoff hides errors below the smallest number that the growth can use.
+            let growth = (0.9 * error.powf(-0.125)).clamp(1.0 / 3.0, 6.0);
+            if error <= 1.0 {
+                self.accept()?;
+                reached = if h == rest { step } else { reached + h };
+                let wanted = h * if rejected { growth.min(1.0) } else { growth };
+                self.natural = if h < self.natural { self.natural.max(wanted) } else { wanted };
+                rejected = false;
+            } else {
+                self.natural = h * if error.is_nan() { 1.0 / 3.0 } else { growth };
+                rejected = true;
+            }
+        }
+        self.state.finish()
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.state.write_state(out);
+    }
+}
+
+impl Dop853 {
+    /// All stages of a step; leaves the end in `next` and returns the error in units of the tolerance.
+    fn attempt(&mut self, h: f64) -> Result<f64, StepFailure> {
+        for i in 1..STAGES {
+            self.at.copy_from_slice(&self.state.y);
+            let (known, rest) = self.rates.split_at_mut(i);
+            for (rate, a) in known.iter().zip(&self.tableau.a[i]).filter(|(_, a)| **a != 0.0) {
+                self.at.iter_mut().zip(rate).for_each(|(y, k)| *y += h * a * k);
+            }
+            self.state.rates(&self.at, &mut rest[0])?;
+        }
+        let (b, er, bh) = (&self.tableau.b, &self.tableau.er, &self.tableau.bh);
+        let (mut fifth, mut third) = (0.0, 0.0);
+        for k in 0..self.next.len() {
+            let along = |w: &[f64; STAGES]| w.iter().zip(&self.rates).map(|(w, rate)| w * rate[k]).sum::<f64>();
+            let slope = along(b);
+            self.next[k] = self.state.y[k] + h * slope;
+            let scale = self.tolerance * (1.0 + self.state.y[k].abs().max(self.next[k].abs()));
+            fifth += er.as_ref().map_or(0.0, |er| (along(er) / scale).powi(2));
+            third += bh.as_ref().map_or(0.0, |bh| ((slope - along(bh)) / scale).powi(2));
+        }
+        let mixed = fifth + 0.01 * third;
+        let size = if mixed > 0.0 { (mixed * self.next.len() as f64).sqrt() } else { 1.0 };
+        Ok(h * fifth / size)
+    }
+
+    fn accept(&mut self) -> Result<(), StepFailure> {
+        self.state.y.copy_from_slice(&self.next);
+        self.state.rates(&self.next, &mut self.rates[0])
+    }
+
+    /// A hundredth of the time in which the state changes by its own size, at most the step of the run.
+    fn first_step(&self) -> f64 {
+        let norm = |values: &[f64]| {
+            let sum = |(x, y): (&f64, &f64)| (x / (1.0 + y.abs())).powi(2);
+            values.iter().zip(&self.state.y).map(sum).sum::<f64>().sqrt()
+        };
+        let (size, rate) = (norm(&self.state.y), norm(&self.rates[0]));
+        let guess = if rate > 0.0 { 0.01 * size.max(1e-2) / rate } else { self.state.step_size() };
+        guess.min(self.state.step_size())
+    }
+}

@@ -1,0 +1,66 @@
+//! The Galerkin variational integrator in joint coordinates as an engine.
+
+use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
+use crate::mechanics::{State, System};
+use crate::reduced::Model;
+use crate::reduced::galerkin::{Failure, Galerkin};
+
+static STAGES: Number = Number {
+    name: "stages",
+    min: 2.0,
+    max: 8.0,
+    default: 4.0,
+    whole: true,
+    summary: "Gauss points a step; the order is twice their number",
+};
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "galerkin",
+    summary: "Galerkin variational integrator (Gauss collocation) on joint coordinates: symplectic, time-reversible",
+    keys: &[Key::Number(&STAGES)],
+    build,
+};
+
+fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    let galerkin = Galerkin::new(Model::new(system), spec.number(&STAGES) as usize, step, system.energy_scale)
+        .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step) })?;
+    Ok(Box::new(GalerkinEngine { galerkin, step, taken: 0 }))
+}
+
+struct GalerkinEngine {
+    galerkin: Galerkin,
+    step: f64,
+    taken: u64,
+}
+
+impl Engine for GalerkinEngine {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        self.galerkin.step().map_err(|failure| {
+            let detail = describe(failure, self.taken as f64 * self.step, self.step);
+            match failure {
+                Failure::NotConverged { correction, .. } if correction.is_finite() => {
+                    StepFailure::NotConverged { detail }
+                }
+                _ => StepFailure::Diverged { detail },
+            }
+        })?;
+        self.taken += 1;
+        Ok(())
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.galerkin.write_state(out);
+    }
+}
+
+fn describe(failure: Failure, time: f64, step: f64) -> String {
+    match failure {
+        Failure::NotConverged { rounds, correction } => format!(
+            "t = {time:.6} s: the stages do not converge in {rounds} rounds at a step of {step} s (last correction \
+             {correction:.1e} of the scene's velocities); take a smaller step"
+        ),
+        Failure::Singular => format!(
+            "t = {time:.6} s: a joint can move without moving any mass, or the state stops being a number at a step of {step} s"
+        ),
+    }
+}

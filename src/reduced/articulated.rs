@@ -1,0 +1,114 @@
+//! Accelerations in O(n) by articulated bodies (Featherstone 1983), in world axes.
+//!
+//! Each link is seen at its joint point. With the classical acceleration `a` of that point and the angular acceleration
+//! `alpha`, a body needs the wrench `I (a, alpha) + beta`,
+//!
+//! ```text
+//! beta = (omega x (omega x mc) - m g ,  omega x J omega - mc x g) ,
+//! ```
+//!
+//! and is carried along with its parent's acceleration plus `gamma`, what the motion at constant joint velocities gives.
+//! One sweep places the links, one eliminates the joints from the leaves to the root, one finds the accelerations.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Model;
+use super::model::Link;
+use super::place::{Place, relative_twist};
+use super::spatial::{Elimination, Inertia, Spatial};
+
+/// A link in the course of the recursion.
+#[derive(Clone, Debug)]
+struct Node {
+    place: Place,
+    twist: Spatial,
+    /// Acceleration at constant joint velocities, less what the parent's acceleration gives; then the acceleration.
+    motion: Spatial,
+    /// `beta`, summed towards the root.
+    needed: Spatial,
+    inertia: Inertia,
+    elimination: Elimination,
+}
+
+/// The equations of motion of a model, with room for their evaluation.
+#[derive(Clone, Debug)]
+pub struct Articulated {
+    model: Model,
+    nodes: Vec<Node>,
+}
+
+impl Articulated {
+    pub fn new(model: Model) -> Articulated {
+        let node = |link: &Link| Node {
+            place: Place::GROUND,
+            twist: Spatial::ZERO,
+            motion: Spatial::ZERO,
+            needed: Spatial::ZERO,
+            inertia: Inertia::ZERO,
+            elimination: Elimination::new(link.kind),
+        };
+        Articulated { nodes: model.links.iter().map(node).collect(), model }
+    }
+
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Accelerations of the joint coordinates under gravity and damping. `None` where a joint can move without moving any
+    /// mass, or the state is not a number.
+    pub fn accelerations(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+        for i in 0..self.nodes.len() {
+            self.place(i, q, v);
+        }
+        for i in (0..self.nodes.len()).rev() {
+            let link = &self.model.links[i];
+            let (before, rest) = self.nodes.split_at_mut(i);
+            let node = &mut rest[0];
+            let freedoms = link.velocity..link.velocity + link.kind.degrees_of_freedom();
+            let rhs = &mut out[freedoms.clone()];
+            for (rhs, v) in rhs.iter_mut().zip(&v[freedoms]) {
+                *rhs = -link.damping * v;
+            }
+            let needed = node.needed + node.inertia.times(&node.motion);
+            node.elimination.eliminate(link.kind, &node.place.r, &mut node.inertia)?;
+            let passed = node.elimination.inward(rhs, &needed);
+            if let Some(p) = link.parent {
+                before[p].inertia.add_shifted(&node.inertia, &node.place.offset);
+                before[p].needed += passed.wrench_from(&node.place.offset);
+            }
+        }
+        for (i, link) in self.model.links.iter().enumerate() {
+            let above = link.parent.map_or(Spatial::ZERO, |p| self.nodes[p].motion);
+            let node = &mut self.nodes[i];
+            let carried = above.twist_at(&node.place.offset);
+            // `rhs` already holds what `gamma` needs: only the parent's part remains to be taken off.
+            node.motion = node.motion + node.elimination.outward(&mut out[link.velocity..], &carried);
+        }
+        Some(())
+    }
+
+    #[inline(always)]
+    fn place(&mut self, i: usize, q: &[f64], v: &[f64]) {
+        let link = &self.model.links[i];
+        let (r, above) = match link.parent {
+            Some(p) => (self.nodes[p].place.r, self.nodes[p].twist),
+            None => (Matrix3::identity(), Spatial::ZERO),
+        };
+        let place = Place::new(link, &r, &q[link.position..]);
+        let joint = relative_twist(link.kind, &place.r, &v[link.velocity..]);
+        let swept = above.ang.cross(&place.offset);
+        let omega = above.ang + joint.ang;
+        let moment = place.r * link.first_moment;
+        let inertia = Inertia::of_body(link.mass, &moment, &link.inertia, &place.r);
+        let turning = inertia.times(&Spatial::new(Vector3::zeros(), omega)).ang;
+        let node = &mut self.nodes[i];
+        node.twist = Spatial::new(above.lin + swept + joint.lin, omega);
+        node.motion =
+            Spatial::new(above.ang.cross(&(swept + joint.lin)) + omega.cross(&joint.lin), above.ang.cross(&joint.ang));
+        node.needed = Spatial::new(
+            omega.cross(&omega.cross(&moment)) - self.model.gravity * link.mass,
+            omega.cross(&turning) - moment.cross(&self.model.gravity),
+        );
+        (node.place, node.inertia) = (place, inertia);
+    }
+}

@@ -1,0 +1,312 @@
+//! The bonds of a system in a step: their impulses, and the solves that find them.
+//!
+//! Every solve goes in two passes over the tree: one without the rows, one with the impulses that bring the rows to what
+//! they must see ([`super::rows`]).
+
+use nalgebra::Vector6;
+
+use super::bonds::{Bond, bonds};
+use super::joints::{Motion, Node, Place, Pose};
+use super::newton::Newton;
+use super::orthogonal::Orthogonal;
+use super::predictor::Predictor;
+use super::rows::{Row, Schur};
+use super::spatial::{Spatial, Twist, Wrench};
+use super::tree::{Singular, Tree};
+use crate::mechanics::System;
+
+/// Redundant rows that contradict each other by more than this, over the system's length, are an open loop.
+const CONTRADICTION: f64 = 1e-10;
+
+/// A row of the exact linearisation counts as implied below this, over the largest.
+const RANK: f64 = 1e-12;
+
+/// The bond that is farthest from closed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worst {
+    pub bond: usize,
+    /// What impulses along the rows can still change, m; angles times the system's length.
+    pub size: f64,
+    /// What roundoff may do to it, over `f64::EPSILON`, m.
+    pub roundoff: f64,
+}
+
+/// Room for the bonds of a system. The rows of springs come last.
+#[derive(Clone, Debug)]
+pub(super) struct Loops {
+    bonds: Vec<Bond>,
+    /// Rows at the start of the step, and at the end of the motions that are being tried.
+    rows: Vec<Row>,
+    rows_after: Vec<Row>,
+    /// Number of rows that are constraints.
+    rigid: usize,
+    /// Impulses of the first half kick along the rows.
+    nu: Vec<f64>,
+    /// What the rows are short of, m or rad, as measured and as far as impulses can change it.
+    gap: Vec<f64>,
+    reachable: Vec<f64>,
+    x: Vec<f64>,
+    compliance: Vec<f64>,
+    /// The Schur complement of the constraints, and of all rows in the first half kick where there are springs or the joints
+    /// have forces of their own.
+    hold: Schur,
+    drift: Option<Schur>,
+    /// The Schur complement of the exact linearisation.
+    exact: Orthogonal,
+    /// Twists at the joint points in the first pass of a solve.
+    twist: Vec<Twist>,
+    /// Rows' impulses, six to an entry.
+    packed: Vec<Wrench>,
+    ground: Vec<Pose>,
+    predictor: Predictor,
+}
+
+impl Loops {
+    /// `None` for a system without loops, couplings and springs between points.
+    pub(super) fn new(system: &System, nodes: &[Node], tree: &Tree, joint_forces: bool) -> Option<Box<Loops>> {
+        let bonds = bonds(system, nodes);
+        let count = |springs| bonds.iter().filter(|b| b.is_spring() == springs).map(|b| b.rows().len()).sum();
+        let (rigid, springs): (usize, usize) = (count(false), count(true));
+        let rows = rigid + springs;
+        let entries = rows.div_ceil(6) + 1;
+        (rows > 0).then(|| {
+            Box::new(Loops {
+                rows: vec![Row::NONE; rows],
+                rows_after: vec![Row::NONE; rows],
+                rigid,
+                nu: vec![0.0; rows],
+                gap: vec![0.0; rows],
+                reachable: vec![0.0; rows],
+                x: vec![0.0; rows],
+                compliance: vec![0.0; springs],
+                hold: Schur::new(tree, rigid, 0),
+                drift: (springs > 0 || joint_forces).then(|| Schur::new(tree, rows, springs)),
+                exact: Orthogonal::new(rows, rows),
+                twist: vec![Spatial::ZERO; nodes.len()],
+                packed: vec![Spatial::ZERO; entries],
+                ground: vec![Pose::GROUND; entries],
+                predictor: Predictor::new(entries),
+                bonds,
+            })
+        })
+    }
+
+    /// Starts at a configuration in which the bonds have been placed.
+    pub(super) fn start(&mut self) {
+        self.bonds.iter_mut().filter(|bond| bond.is_spring()).for_each(Bond::start);
+    }
+
+    /// Places the bonds in a configuration; `back` is the part of a mismatch that one step takes away.
+    pub(super) fn place(&mut self, nodes: &[Node], pose: &[Pose], places: &[Place], back: f64) {
+        for bond in &mut self.bonds {
+            bond.place(nodes, pose, places, back, &mut self.rows);
+        }
+    }
+
+    /// Factorises the constraints' complement on the tree of that configuration.
+    pub(super) fn factorise(
+        &mut self,
+        tree: &Tree,
+        nodes: &[Node],
+        places: &[Place],
+        mobility: &impl Fn(usize, &Wrench) -> f64,
+    ) {
+        self.hold.factorise(tree, nodes, places, &self.rows, &[], mobility);
+    }
+
+    /// Factorises what the first half kick of a step of size `h` needs beyond that: `tree` has the joints' own forces.
+    pub(super) fn prepare(
+        &mut self,
+        h: f64,
+        tree: &Tree,
+        nodes: &[Node],
+        places: &[Place],
+        mobility: &impl Fn(usize, &Wrench) -> f64,
+    ) {
+        if let Some(drift) = &mut self.drift {
+            let springs = self.bonds.iter().filter(|bond| bond.is_spring());
+            self.compliance.iter_mut().zip(springs).for_each(|(epsilon, bond)| *epsilon = bond.compliance(h));
+            drift.factorise(tree, nodes, places, &self.rows, &self.compliance, mobility);
+        }
+    }
+
+    /// Starts the impulses of a half kick `h/2` at `time` from those of the last steps; from none without a degree.
+    pub(super) fn predict(&mut self, time: f64, h: f64, degree: Option<usize>) {
+        match degree {
+            Some(degree) => self.predictor.predict(time, h, degree, &self.ground, &mut self.packed),
+            None => self.packed.fill(Spatial::ZERO),
+        }
+        for (r, nu) in self.nu.iter_mut().enumerate() {
+            let entry = self.packed[r / 6 + 1];
+            *nu = if r % 6 < 3 { entry.linear[r % 3] } else { entry.angular[r % 3] };
+        }
+    }
+
+    /// Remembers the impulses of a half kick `h/2` at `time`.
+    pub(super) fn record(&mut self, time: f64, h: f64) {
+        for (r, nu) in self.nu.iter().enumerate() {
+            let entry = &mut self.packed[r / 6 + 1];
+            let part = if r % 6 < 3 { &mut entry.linear } else { &mut entry.angular };
+            part[r % 3] = *nu;
+        }
+        self.predictor.record(time, h, &self.ground, &self.packed);
+    }
+
+    /// The impulses of the first half kick on the bodies: `kick(i, w)` with wrenches about the centres of mass.
+    pub(super) fn push(&self, places: &[Place], kick: impl FnMut(usize, Wrench)) {
+        push(&self.rows, &self.nu, places, kick);
+    }
+
+    /// The springs' impulses of the second half kick, which are those of the first along the rows at its place.
+    pub(super) fn push_springs(&self, places: &[Place], kick: impl FnMut(usize, Wrench)) {
+        push(&self.rows[self.rigid..], &self.nu[self.rigid..], places, kick);
+    }
+
+    /// Measures what the motions of a step leave the bonds short of.
+    pub(super) fn measure(
+        &mut self,
+        h: f64,
+        nodes: &[Node],
+        places: &[Place],
+        motion: &dyn Fn(usize) -> Motion,
+        length: f64,
+    ) -> Worst {
+        let mut roundoff = 0.0_f64;
+        for bond in &mut self.bonds {
+            let rows = bond.rows();
+            let noise = bond.measure(h, nodes, places, motion, &self.nu[rows.clone()], &mut self.gap[rows]);
+            // What is not a number stays.
+            roundoff = if noise > roundoff || noise.is_nan() { noise } else { roundoff };
+        }
+        self.reachable.copy_from_slice(&self.gap);
+        self.drift.as_mut().unwrap_or(&mut self.hold).keep_reachable(&mut self.reachable);
+        let (bond, size) = worst(&self.bonds, nodes, &self.reachable, length);
+        Worst { bond, size, roundoff }
+    }
+
+    /// The bond that stays open although no impulse can close it further, and by how much, m.
+    pub(super) fn contradiction(&mut self, nodes: &[Node], length: f64) -> Option<(usize, f64)> {
+        let (bond, size) = worst(&self.bonds, nodes, &self.gap, length);
+        (!(size <= CONTRADICTION * length)).then_some((bond, size))
+    }
+
+    /// Keeps the twists at the joint points of the first pass of a solve.
+    pub(super) fn first_pass(&mut self) -> &mut [Twist] {
+        &mut self.twist
+    }
+
+    /// The second pass of a round of the chord iteration: `add(i, f)` gets the change of each joint's impulse.
+    pub(super) fn correct(
+        &mut self,
+        h: f64,
+        tree: &mut Tree,
+        nodes: &[Node],
+        places: &[Place],
+        mut add: impl FnMut(usize, Wrench),
+    ) {
+        for (r, x) in self.x.iter_mut().enumerate() {
+            *x = -self.gap[r] / h - self.rows[r].rate(&self.twist);
+        }
+        self.drift.as_mut().unwrap_or(&mut self.hold).solve(&mut self.x);
+        self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
+        let (rows, x) = (&self.rows, &self.x);
+        tree.respond(nodes, places, |rhs| load(rows, x, rhs), |i, _, f| add(i, f));
+    }
+
+    /// The second pass of a round with the exact linearisation, after [`Newton::correct`].
+    ///
+    /// # Errors
+    /// A block that cannot be inverted.
+    pub(super) fn correct_exactly(
+        &mut self,
+        h: f64,
+        newton: &mut Newton,
+        nodes: &[Node],
+        pose: &[Pose],
+        places: &[Place],
+        motion: &dyn Fn(usize) -> Motion,
+        mut add: impl FnMut(usize, Wrench),
+    ) -> Result<(), Singular> {
+        for bond in &self.bonds {
+            let rows = bond.rows();
+            bond.rows_after(nodes, pose, places, motion, &mut self.rows_after);
+            bond.targets_after(h, motion, &self.gap[rows.clone()], &mut self.x[rows]);
+        }
+        self.twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
+        for (x, row) in self.x.iter_mut().zip(&self.rows_after) {
+            *x -= row.rate(&self.twist);
+        }
+        let mut largest = 0.0_f64;
+        for k in 0..self.rows.len() {
+            let row = &self.rows[k];
+            newton.respond(
+                nodes,
+                places,
+                |rhs| row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector()),
+                |_, _| {},
+            )?;
+            self.twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
+            let column = self.exact.column_mut(k);
+            for (entry, row) in column.iter_mut().zip(&self.rows_after) {
+                *entry = row.rate(&self.twist);
+            }
+            if let Some(spring) = k.checked_sub(self.rigid) {
+                column[k] += self.compliance[spring];
+            }
+            largest = column.iter().fold(largest, |a, b| a.max(b.abs()));
+        }
+        self.exact.factorise(RANK * largest);
+        self.exact.solve(&mut self.x);
+        self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
+        let (rows, x) = (&self.rows, &self.x);
+        let load = |rhs: &mut [Vector6<f64>]| {
+            for (row, x) in rows.iter().zip(x) {
+                row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector() * *x);
+            }
+        };
+        newton.respond(nodes, places, load, &mut add)
+    }
+
+    /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
+    pub(super) fn accept(&mut self, back: f64) {
+        self.bonds.iter_mut().for_each(|bond| bond.accept(back));
+    }
+
+    /// After the first pass of a projection of the momenta: the impulses along the constraints' rows that make their
+    /// velocities vanish, `kick(i, w)` with wrenches about the centres of mass.
+    pub(super) fn project(&mut self, places: &[Place], kick: impl FnMut(usize, Wrench)) {
+        let x = &mut self.x[..self.rigid];
+        for (x, row) in x.iter_mut().zip(&self.rows) {
+            *x = -row.rate(&self.twist);
+        }
+        self.hold.solve(x);
+        push(&self.rows[..self.rigid], x, places, kick);
+    }
+}
+
+fn worst(bonds: &[Bond], nodes: &[Node], gap: &[f64], length: f64) -> (usize, f64) {
+    let mut worst = (0, 0.0);
+    for (index, bond) in bonds.iter().enumerate() {
+        let size = bond.size(nodes, &gap[bond.rows()], length);
+        if !(size <= worst.1) {
+            worst = (index, size);
+        }
+    }
+    worst
+}
+
+fn push(rows: &[Row], nu: &[f64], places: &[Place], mut kick: impl FnMut(usize, Wrench)) {
+    for (row, nu) in rows.iter().zip(nu) {
+        for (node, wrench) in row.ends() {
+            kick(*node, wrench.scaled(*nu).wrench_from(&places[*node].arm));
+        }
+    }
+}
+
+fn load(rows: &[Row], nu: &[f64], rhs: &mut [Wrench]) {
+    for (row, nu) in rows.iter().zip(nu) {
+        for (node, wrench) in row.ends() {
+            rhs[*node] += wrench.scaled(*nu);
+        }
+    }
+}

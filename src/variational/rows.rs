@@ -1,0 +1,125 @@
+//! Scalar rows across the tree and their Schur complement.
+//!
+//! A row `k` is a wrench on a few bodies; `k . v` is the velocity that it sees. With `T` the response of the tree, the
+//! twists that an impulse causes while the joints hold, impulses `nu` along the rows change what the rows see by
+//!
+//! ```text
+//! K T K^T nu = W^T W nu ,      W = D^-1/2 S^T (innovations of K^T) ,
+//! ```
+//!
+//! where the innovation of a joint is what the recursion of [`super::tree`] finds along its free directions. A row with the
+//! compliance `epsilon` (a spring) adds `epsilon` to the diagonal: one more row of `W` with `sqrt(epsilon)`. `W` is
+//! factorised with its rank revealed, so that redundant rows share the impulse of least norm.
+
+use super::joints::{Node, Place};
+use super::orthogonal::Orthogonal;
+use super::spatial::{Spatial, Twist, Wrench};
+use super::tree::Tree;
+
+/// Bodies that a row acts on, at most.
+const ENDS: usize = 4;
+
+/// A row whose velocity, over that of the same row on free bodies, is below this is implied by the other rows.
+const RANK: f64 = 1e-10;
+
+/// A wrench on up to four nodes, each about the node's joint point, world axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    ends: [(usize, Wrench); ENDS],
+    count: usize,
+}
+
+impl Row {
+    pub(super) const NONE: Row = Row { ends: [(0, Spatial::ZERO); ENDS], count: 0 };
+
+    /// Adds a wrench about a node's joint point. The ground takes none.
+    pub(super) fn push(&mut self, node: usize, wrench: Wrench) {
+        if node > 0 && self.count < ENDS {
+            self.ends[self.count] = (node, wrench);
+            self.count += 1;
+        }
+    }
+
+    pub(super) fn ends(&self) -> &[(usize, Wrench)] {
+        &self.ends[..self.count]
+    }
+
+    /// The velocity that the row sees, from twists at the joint points.
+    pub(super) fn rate(&self, twist: &[Twist]) -> f64 {
+        self.ends().iter().map(|(node, wrench)| wrench.dot(&twist[*node])).sum()
+    }
+
+    /// The mobility of the row on free bodies, `k M^-1 k^T`. `com(i, w)` is that of a wrench about a centre of mass.
+    fn free_mobility(&self, places: &[Place], com: &impl Fn(usize, &Wrench) -> f64) -> f64 {
+        self.ends().iter().map(|(node, wrench)| com(*node, &wrench.wrench_from(&places[*node].arm))).sum()
+    }
+}
+
+/// The factorised Schur complement of some rows.
+#[derive(Clone, Debug)]
+pub(super) struct Schur {
+    factors: Orthogonal,
+    /// What each row is multiplied by, so that its free mobility is 1.
+    scale: Vec<f64>,
+    freedoms: usize,
+}
+
+impl Schur {
+    /// Room for `rows` rows on a tree, `compliant` of them springs.
+    pub(super) fn new(tree: &Tree, rows: usize, compliant: usize) -> Schur {
+        let freedoms = tree.freedoms();
+        Schur { factors: Orthogonal::new(freedoms + compliant, rows), scale: vec![0.0; rows], freedoms }
+    }
+
+    /// Factorises. `mobility(i, w)` is `w M^-1 w` of a wrench about the centre of mass of a free node; the last rows are
+    /// springs with the given compliances.
+    pub(super) fn factorise(
+        &mut self,
+        tree: &Tree,
+        nodes: &[Node],
+        places: &[Place],
+        rows: &[Row],
+        compliance: &[f64],
+        mobility: &impl Fn(usize, &Wrench) -> f64,
+    ) {
+        let rigid = self.scale.len() - compliance.len();
+        for (r, row) in rows.iter().enumerate().take(self.scale.len()) {
+            let column = self.factors.column_mut(r);
+            column.fill(0.0);
+            tree.innovations(nodes, places, row.ends(), &mut column[..self.freedoms]);
+            let mut free = row.free_mobility(places, mobility);
+            if !free.is_finite() {
+                free = column.iter().map(|x| x * x).sum();
+            }
+            if let Some(spring) = r.checked_sub(rigid) {
+                column[self.freedoms + spring] = compliance[spring].sqrt();
+                free += compliance[spring];
+            }
+            self.scale[r] = if free > 0.0 { 1.0 / free.sqrt() } else { 0.0 };
+            column.iter_mut().for_each(|x| *x *= self.scale[r]);
+        }
+        self.factors.factorise(RANK);
+    }
+
+    /// The impulses that change what the rows see by `x`, those of least norm.
+    pub(super) fn solve(&mut self, x: &mut [f64]) {
+        self.apply_scale(x);
+        self.factors.solve_normal(x);
+        self.apply_scale(x);
+    }
+
+    /// Takes away what of `x` no impulse along the rows can change.
+    pub(super) fn keep_reachable(&mut self, x: &mut [f64]) {
+        if self.factors.rank() < x.len() {
+            self.apply_scale(x);
+            self.factors.project_on_rows(x);
+            for (x, scale) in x.iter_mut().zip(&self.scale) {
+                *x = if *scale > 0.0 { *x / scale } else { 0.0 };
+            }
+        }
+    }
+
+    fn apply_scale(&self, x: &mut [f64]) {
+        x.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
+    }
+}

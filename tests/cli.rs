@@ -209,7 +209,7 @@ fn report(folder: &Path) -> Report {
 fn a_comparison_leaves_a_report_that_needs_no_network() {
     let (folder, stdout) = compare(&[]);
     let report = report(folder.path());
-    assert_eq!(report.runs.len(), 10, "five engines at the two largest steps");
+    assert_eq!(report.runs.len(), 14, "seven engines at the two largest steps");
     assert!(report.runs.iter().all(|r| r.outcome == Outcome::Completed && r.duration_s == 2.0));
     for run in &report.runs {
         let (energy, time) = (run.energy.as_ref().expect("energy"), run.time.as_ref().expect("time"));

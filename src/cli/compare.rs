@@ -16,8 +16,15 @@ use crate::model::Scene;
 use crate::report::{Report, files, finding, summary, table};
 
 /// Engines that are compared where none is named, as far as they have the means for the scene.
-const ENGINES: [&str; 5] =
-    ["rattle", "rattle:order=8", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
+const ENGINES: [&str; 7] = [
+    "rattle",
+    "rattle:order=8",
+    "galerkin",
+    "dop853",
+    "rapier",
+    "rapier:preset=strong",
+    "rapier:joints=multibody,precision=f64",
+];
 
 /// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
 const QUICK_DURATION: f64 = 2.0;
@@ -32,7 +39,7 @@ pub struct Args {
     #[arg(required = true)]
     input: Vec<PathBuf>,
     /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle at orders 2 and
-    /// 8 and three settings of rapier].
+    /// 8, galerkin, dop853 and three settings of rapier].
     #[arg(long, value_name = "SPEC")]
     engine: Vec<String>,
     /// Step size, s; may be given several times [default: those of the scene].

@@ -14,9 +14,13 @@ use crate::report::cost::Cost;
 use crate::report::files;
 
 /// Engines that are timed where none is named.
-const ENGINES: [&str; 6] = [
+const ENGINES: [&str; 10] = [
     "rattle",
     "rattle:order=8",
+    "galerkin",
+    "dop853",
+    "rk4",
+    "semi_implicit_euler",
     "rapier",
     "rapier:precision=f64",
     "rapier:preset=strong",
@@ -36,7 +40,8 @@ const TIMED: f64 = 0.2;
 /// The chains are those of `generate chain`, released from horizontal with every second hinge bent.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Engine; may be given several times [default: rattle at orders 2 and 8 and four settings of rapier].
+    /// Engine; may be given several times [default: rattle at orders 2 and 8, the engines on joint coordinates,
+    /// and four settings of rapier].
     #[arg(long, value_name = "SPEC")]
     engine: Vec<String>,
     /// Number of links; may be given several times [default: 1, 2, 5, 10, 20, 50, 100].

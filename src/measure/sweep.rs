@@ -22,6 +22,7 @@ pub struct Setting {
 
 /// Steps over the whole time: for methods of high order, of order two, and of order one.
 const LONG_STEPS: &[u64] = &[20, 40, 100, 200, 400, 1000, 2000];
+const FEW_STEPS: &[u64] = &[20, 40, 100, 200, 400];
 const STEPS: &[u64] = &[40, 100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
 const SHORT_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
 /// For the settings of rapier that gain most by short steps, and those whose error stops falling.
@@ -39,6 +40,25 @@ const ALL: &[(&str, &[u64])] = &[
     ("rattle:order=4", LONG_STEPS),
     ("rattle:order=6", LONG_STEPS),
     ("rattle:order=8", LONG_STEPS),
+    ("galerkin:stages=2", LONG_STEPS),
+    ("galerkin:stages=3", LONG_STEPS),
+    ("galerkin", LONG_STEPS),
+    ("galerkin:stages=6", FEW_STEPS),
+    ("galerkin:stages=8", FEW_STEPS),
+    ("dop853:tolerance=1e-3", ONE),
+    ("dop853:tolerance=1e-4", ONE),
+    ("dop853:tolerance=1e-5", ONE),
+    ("dop853:tolerance=1e-6", ONE),
+    ("dop853:tolerance=1e-7", ONE),
+    ("dop853:tolerance=1e-8", ONE),
+    ("dop853", ONE),
+    ("dop853:tolerance=1e-10", ONE),
+    ("dop853:tolerance=1e-11", ONE),
+    ("dop853:tolerance=1e-12", ONE),
+    ("dop853:tolerance=1e-13", ONE),
+    ("rk4", STEPS),
+    ("semi_implicit_euler", SHORT_STEPS),
+    ("explicit_euler", SHORT_STEPS),
     ("rapier", SHORTEST_STEPS),
     ("rapier:substeps=1,iterations=4,stabilization=0", SHORT_STEPS),
     ("rapier:joints=multibody", SHORTEST_STEPS),
@@ -64,6 +84,12 @@ const QUICK: &[(&str, &[u64])] = &[
     ("rattle", QUICK_SHORT_STEPS),
     ("rattle:order=4", QUICK_LONG_STEPS),
     ("rattle:order=8", QUICK_LONG_STEPS),
+    ("galerkin", QUICK_LONG_STEPS),
+    ("galerkin:stages=6", QUICK_LONG_STEPS),
+    ("dop853:tolerance=1e-6", ONE),
+    ("dop853", ONE),
+    ("dop853:tolerance=1e-12", ONE),
+    ("rk4", QUICK_SHORT_STEPS),
     ("rapier", QUICK_SHORT_STEPS),
     ("rapier:preset=strong", QUICK_SHORT_STEPS),
     ("rapier:joints=multibody,precision=f64", QUICK_SHORT_STEPS),

@@ -90,7 +90,7 @@ fn unknown_engines_keys_joints_and_files_are_refused_with_what_is_known() {
 fn a_bare_command_shows_its_usage() {
     let (_, stderr) = run(&[], 2);
     assert!(stderr.contains("Usage: rattlebench <COMMAND>"), "{stderr}");
-    for command in ["inspect", "simulate", "compare", "generate", "chart", "list", "schema"] {
+    for command in ["inspect", "simulate", "compare", "cost", "generate", "chart", "list", "schema"] {
         assert!(stderr.contains(command), "{stderr}");
         let (stdout, _) = run(&[command, "--help"], 0);
         assert!(stdout.contains("Usage: rattlebench"), "{stdout}");
@@ -228,6 +228,21 @@ fn a_comparison_leaves_a_report_that_needs_no_network() {
     assert!(stdout.starts_with("double_pendulum\nAt a step of "), "{stdout}");
     assert!(stdout.contains("rapier:joints=multibody,precision=f64\n"), "{stdout}");
     assert!(stdout.ends_with(&format!("{}\n\n", folder.path().join("index.html").display())), "{stdout}");
+}
+
+#[test]
+fn the_cost_of_a_step_is_told_for_every_engine_and_length() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let chains = ["--links", "2", "--links", "1", "--out", text(folder.path())];
+    let (stdout, _) = run(&[&["cost", "--engine", "rattle", "--engine", "rapier"], &chains[..]].concat(), 0);
+    let json = fs::read_to_string(folder.path().join("cost.json")).expect("written");
+    let cost: rattlebench::report::cost::Cost = serde_json::from_str(&json).expect("a record");
+    let points: Vec<(&str, usize)> = cost.points.iter().map(|p| (p.engine.as_str(), p.links)).collect();
+    assert_eq!(points, [("rattle", 1), ("rattle", 2), ("rapier", 1), ("rapier", 2)]);
+    assert!(cost.points.iter().all(|p| p.us_per_step > 0.0 && p.us_per_step_min <= p.us_per_step_max), "{json}");
+    assert!(fs::read(folder.path().join("cost.png")).expect("written").starts_with(b"\x89PNG"));
+    assert!(stdout.starts_with("µs a step, links:") && stdout.contains("\nrattle "), "{stdout}");
+    refused(&["cost", "--step", "-1"], "--step must be > 0 s, got -1");
 }
 
 /// Everything of a report but what the machine and the clock say.

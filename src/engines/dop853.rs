@@ -24,6 +24,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "dop853",
     summary: "Dormand-Prince order 8 on joint coordinates, adaptive within the step: accurate, energy drifts",
     keys: &[Key::Number(&TOLERANCE)],
+    parts: &[],
     build,
 };
 

@@ -12,6 +12,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "explicit_euler",
     summary: "explicit Euler on joint coordinates: order 1, gains energy; a control that every bound must catch",
     keys: &[],
+    parts: &[],
     build,
 };
 

@@ -18,6 +18,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "galerkin",
     summary: "Galerkin variational integrator (Gauss collocation) on joint coordinates: symplectic, time-reversible",
     keys: &[Key::Number(&STAGES)],
+    parts: &[],
     build,
 };
 

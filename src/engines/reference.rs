@@ -34,6 +34,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "reference",
     summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
     keys: KEYS,
+    parts: &[],
     build,
 };
 

@@ -11,6 +11,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rk4",
     summary: "the classical Runge-Kutta method on joint coordinates: order 4, explicit, energy drifts",
     keys: &[],
+    parts: &[],
     build,
 };
 

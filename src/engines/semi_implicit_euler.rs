@@ -15,6 +15,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "semi_implicit_euler",
     summary: "semi-implicit Euler on joint coordinates, what robotics engines do: order 1, symplectic only at constant mass matrix",
     keys: &[],
+    parts: &[],
     build,
 };
 

@@ -9,7 +9,7 @@ use super::parity::{Parity, parity};
 use super::sweep::{self, Setting};
 use super::trust;
 use super::truth::Truth;
-use crate::engines::Spec;
+use crate::engines::{self, Spec};
 
 /// What is studied.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub struct Findings {
     pub overhead: Option<f64>,
 }
 
-/// The runs of a sweep that were begun.
+/// The runs of a sweep, of the engines that have the means for the scene.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// Simulated time, s.
@@ -90,9 +90,11 @@ impl Study<'_> {
         let duration = horizons.iter().map(|h| h.end).fold(0.0, f64::max);
         let until = sweep::span(duration, truth.trusted_until)?;
         let truth = truth.at_multiples(until / sweep::SAMPLES as f64, until);
+        let supported = |setting: &&Setting| engines::build(&setting.engine, system, until).is_ok();
         let cases = self
             .sweep
             .iter()
+            .filter(supported)
             .flat_map(|setting| setting.counts.iter().map(|n| (&setting.engine, sweep::horizon(until, *n))))
             .collect();
         let batch = Batch { system, cases, truth: Some(&truth), budget, together: Some(budget), jobs };

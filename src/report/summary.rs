@@ -104,3 +104,61 @@ fn named(e: &Cheapest) -> String {
         false => format!("{} at {}", e.engine, duration(e.step_s)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cheapest(engine: &str, reached: bool, cost: f64, error: f64) -> Cheapest {
+        Cheapest {
+            family: super::super::front::family(engine).to_string(),
+            reached,
+            engine: engine.to_string(),
+            step_s: 0.02,
+            max_joint_error: error,
+            s_per_simulated_s: cost,
+        }
+    }
+
+    fn sweep() -> Sweep {
+        let target = |max_joint_error: f64, engines: Vec<Cheapest>| Target { max_joint_error, engines };
+        let rapier = cheapest("rapier:preset=strong", false, 0.2, 3e-5);
+        Sweep {
+            until_s: 2.0,
+            reference_error: 1e-12,
+            runs: Vec::new(),
+            convergence: Vec::new(),
+            targets: vec![
+                target(
+                    1e-6,
+                    vec![
+                        cheapest("rattle:order=8", true, 0.004, 2e-7),
+                        rapier.clone(),
+                        cheapest("dop853:tolerance=1e-8", true, 0.0011, 1e-7),
+                    ],
+                ),
+                target(1e-8, vec![cheapest("rattle:order=8", false, 0.01, 2e-8), rapier]),
+            ],
+        }
+    }
+
+    #[test]
+    fn the_sentence_names_the_cheapest_first_and_who_does_not_reach_it() {
+        assert_eq!(
+            sentence(&sweep()).expect("a target is reached"),
+            "For joint positions to 10⁻⁶ rad or m over the first 2 s, dop853:tolerance=1e-8 needs 0.0011 s of CPU time a \
+             simulated second; rattle:order=8 at 20 ms needs 0.004 s; rapier does not reach it: its best here is 3.0 × 10⁻⁵ \
+             for 0.2 s."
+        );
+    }
+
+    #[test]
+    fn the_table_has_a_cell_for_every_engine_and_target() {
+        let table = targets(&sweep()).expect("targets");
+        assert_eq!(table.head, ["engine", "10⁻⁶", "10⁻⁸"]);
+        assert_eq!(table.rows[0], ["rattle", "4.0e-3 (order=8, 20 ms)", "not reached"]);
+        assert_eq!(table.rows[1], ["rapier", "not reached", "not reached"]);
+        assert_eq!(table.rows[2], ["dop853", "1.1e-3 (tolerance=1e-8)", "not reached"]);
+        assert!(table.text().lines().nth(2).is_some_and(|line| line.starts_with("rapier  not reached  ")));
+    }
+}

@@ -68,10 +68,13 @@ pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
 pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub const BLACK: RGBColor = RGBColor(0, 0, 0);
 
-// Three more for when those are taken.
+// More for when those are taken.
 const BROWN: RGBColor = RGBColor(122, 62, 16);
 const OLIVE: RGBColor = RGBColor(150, 138, 10);
 const STONE: RGBColor = RGBColor(125, 125, 125);
+const NAVY: RGBColor = RGBColor(45, 45, 130);
+const TEAL: RGBColor = RGBColor(0, 125, 135);
+const LIME: RGBColor = RGBColor(130, 175, 20);
 
 /// The front of all settings of rapier, in the charts that have one.
 pub const BEST_OF_RAPIER: &str = "rapier, best of its settings";
@@ -91,7 +94,7 @@ const KNOWN: [(&str, Look); 10] = [
 ];
 
 /// Cool colours for variational engines, warm ones for rapier, for engines without a place of their own.
-const COOL: [RGBColor; 4] = [GREEN, SKY, BLACK, BLUE];
+const COOL: [RGBColor; 7] = [GREEN, SKY, BLACK, NAVY, TEAL, LIME, BLUE];
 const WARM: [RGBColor; 6] = [BROWN, OLIVE, STONE, ORANGE, PURPLE, VERMILLION];
 const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Triangle, Marker::Square, Marker::Circle];
 

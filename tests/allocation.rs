@@ -34,7 +34,10 @@ fn a_step_allocates_nothing() {
     let joints = [Revolute, Spherical, Prismatic, Planar, Floating].map(|kind| (kind, Vector3::new(0.1, 1.0, 0.2)));
     let mut damped = chain(&joints);
     damped.model.joints[1].damping = 0.01;
-    for (scene, text) in [(chain(&joints), "rattle"), (chain(&joints), "rattle:order=8"), (damped, "rattle")] {
+    let specs =
+        ["rattle", "rattle:order=8", "galerkin:stages=5", "dop853", "rk4", "semi_implicit_euler", "explicit_euler"];
+    let cases = specs.map(|text| (chain(&joints), text));
+    for (scene, text) in cases.into_iter().chain([(damped.clone(), "rattle"), (damped, "galerkin")]) {
         let system = compile(&scene);
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         let mut engine = engines::build(&Spec::parse(text).unwrap(), &system, 1e-3).unwrap();

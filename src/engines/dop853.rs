@@ -7,7 +7,7 @@
 
 use differential_equations::tableau::ButcherTableau;
 
-use super::joint_coordinates::JointCoordinates;
+use super::joint_coordinates::{JointCoordinates, PARTS};
 use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 
@@ -24,7 +24,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "dop853",
     summary: "Dormand-Prince order 8 on joint coordinates, adaptive within the step: accurate, energy drifts",
     keys: &[Key::Number(&TOLERANCE)],
-    parts: &[],
+    parts: PARTS,
     build,
 };
 

@@ -4,7 +4,7 @@
 //! q1 = q0 moved by h v0 ,     v1 = v0 + h a(q0, v0)
 //! ```
 
-use super::joint_coordinates::JointCoordinates;
+use super::joint_coordinates::{JointCoordinates, PARTS};
 use super::{Engine, Entry, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 
@@ -12,7 +12,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "explicit_euler",
     summary: "explicit Euler on joint coordinates: order 1, gains energy; a control that every bound must catch",
     keys: &[],
-    parts: &[],
+    parts: PARTS,
     build,
 };
 

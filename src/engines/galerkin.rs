@@ -1,5 +1,6 @@
 //! The Galerkin variational integrator in joint coordinates as an engine.
 
+use super::joint_coordinates::PARTS;
 use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 use crate::reduced::Model;
@@ -18,7 +19,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "galerkin",
     summary: "Galerkin variational integrator (Gauss collocation) on joint coordinates: symplectic, time-reversible",
     keys: &[Key::Number(&STAGES)],
-    parts: &[],
+    parts: PARTS,
     build,
 };
 

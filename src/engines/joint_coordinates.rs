@@ -1,9 +1,12 @@
-//! What the engines on the explicit equations of motion in joint coordinates share.
+//! What the engines in joint coordinates share.
 
 use super::{Spec, StepFailure, Unsupported};
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
 use crate::reduced::articulated::Articulated;
+
+/// What the equations in joint coordinates hold beside the tree.
+pub(super) const PARTS: &[Part] = &[Part::JointSprings];
 
 /// Positions and velocities `y = (q, v)` with their equations of motion by articulated bodies.
 pub(super) struct JointCoordinates {

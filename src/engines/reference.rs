@@ -15,7 +15,8 @@ use std::cell::RefCell;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 
-use super::{Engine, Entry, Key, Spec, StepFailure, Unsupported};
+use super::joint_coordinates::PARTS;
+use super::{Engine, Entry, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 use crate::reduced::Model;
 use crate::reduced::recursive::Dynamics;
@@ -28,13 +29,11 @@ pub const LOOSER_TOLERANCE: f64 = 1e-12;
 pub const METHOD: &str = "joint coordinates, mass matrix and recursive Newton-Euler, Dormand-Prince order 8(5,3) at \
                           tolerance 1e-14; error estimated against tolerance 1e-12";
 
-const KEYS: &[Key] = &[];
-
 pub(super) const ENTRY: Entry = Entry {
     name: "reference",
     summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
-    keys: KEYS,
-    parts: &[],
+    keys: &[],
+    parts: PARTS,
     build,
 };
 
@@ -157,6 +156,10 @@ struct Integration {
 
 impl Integration {
     fn new(system: &System, tolerance: f64) -> Result<Integration, StepFailure> {
+        if let Some(part) = system.parts.kinds().find(|part| !PARTS.contains(part)) {
+            let detail = format!("t = 0 s: the reference does not support {}", part.name());
+            return Err(StepFailure::Diverged { detail });
+        }
         let model = Model::new(system);
         let (mut y, v) = model.initial();
         y.extend(v);

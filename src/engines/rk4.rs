@@ -3,7 +3,7 @@
 //! Accurate on short smooth runs; not symplectic: its energy drifts in proportion to time. Quaternions are normalised after
 //! each step.
 
-use super::joint_coordinates::JointCoordinates;
+use super::joint_coordinates::{JointCoordinates, PARTS};
 use super::{Engine, Entry, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 
@@ -11,7 +11,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rk4",
     summary: "the classical Runge-Kutta method on joint coordinates: order 4, explicit, energy drifts",
     keys: &[],
-    parts: &[],
+    parts: PARTS,
     build,
 };
 

@@ -7,7 +7,7 @@
 //! Order 1. It is the symplectic Euler method only where the mass matrix is constant: on velocities instead of momenta, with
 //! a mass matrix that depends on the positions, it is not symplectic.
 
-use super::joint_coordinates::JointCoordinates;
+use super::joint_coordinates::{JointCoordinates, PARTS};
 use super::{Engine, Entry, Spec, StepFailure, Unsupported};
 use crate::mechanics::{State, System};
 
@@ -15,7 +15,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "semi_implicit_euler",
     summary: "semi-implicit Euler on joint coordinates, what robotics engines do: order 1, symplectic only at constant mass matrix",
     keys: &[],
-    parts: &[],
+    parts: PARTS,
     build,
 };
 

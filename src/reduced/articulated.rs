@@ -54,7 +54,7 @@ impl Articulated {
         &self.model
     }
 
-    /// Accelerations of the joint coordinates under gravity and damping. `None` where a joint can move without moving any
+    /// Accelerations of the joint coordinates under gravity, dampers and springs. `None` where a joint can move without moving any
     /// mass, or the state is not a number.
     pub fn accelerations(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         for i in 0..self.nodes.len() {
@@ -64,11 +64,8 @@ impl Articulated {
             let link = &self.model.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
             let node = &mut rest[0];
-            let freedoms = link.velocity..link.velocity + link.kind.degrees_of_freedom();
-            let rhs = &mut out[freedoms.clone()];
-            for (rhs, v) in rhs.iter_mut().zip(&v[freedoms]) {
-                *rhs = -link.damping * v;
-            }
+            let rhs = &mut out[link.velocity..link.velocity + link.kind.degrees_of_freedom()];
+            self.model.efforts(link, q, v, rhs);
             let needed = node.needed + node.inertia.times(&node.motion);
             node.elimination.eliminate(link.kind, &node.place.r, &mut node.inertia)?;
             let passed = node.elimination.inward(rhs, &needed);

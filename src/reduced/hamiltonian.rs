@@ -12,8 +12,8 @@
 //!
 //! ```text
 //! m = S^T (P, L) = H(q) u
-//! pdot = n . (L x omega + P x v + N) - c u                 angle about n
-//! pdot = n . (P x omega_parent + F) - c u                  length along n
+//! pdot = n . (L x omega_parent + P x v + N) - k (q - rest) - c u      angle about n
+//! pdot = n . (P x omega_parent + F) - k (q - rest) - c u              length along n
 //! qdot = 1/2 q u ,   pdot = 1/2 p u + 2 q tau / |q|^2 ,    quaternion,
 //! tau  = L x omega_parent + P x v + N - c u   in link axes .
 //! ```
@@ -79,16 +79,17 @@ impl Point {
             let above = link.parent.map_or(Vector3::zeros(), |p| self.twists[p].ang);
             let pulled = || p.cross(&above) + model.gravity * link.mass_beyond;
             let swung = |omega: &Vector3<f64>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&model.gravity);
+            let held = |u: f64| link.spring_effort - link.stiffness * q[link.position] - link.damping * u;
             let u = &u[link.velocity..];
             let (m, force) = (&mut m[link.velocity..], &mut force[link.velocity..]);
             match link.kind {
                 JointKind::Revolute => {
                     m[0] = r.column(2).dot(&l);
-                    force[0] = r.column(2).dot(&swung(&above)) - link.damping * u[0];
+                    force[0] = r.column(2).dot(&swung(&above)) + held(u[0]);
                 }
                 JointKind::Prismatic => {
                     m[0] = r.column(2).dot(&p);
-                    force[0] = r.column(2).dot(&pulled()) - link.damping * u[0];
+                    force[0] = r.column(2).dot(&pulled()) + held(u[0]);
                 }
                 JointKind::Planar => {
                     let (along, pull) = (r.tr_mul(&p), r.tr_mul(&pulled()));

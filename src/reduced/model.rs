@@ -26,12 +26,15 @@ pub struct Link {
     pub mass_beyond: f64,
     /// N m s/rad or N s/m, for each velocity.
     pub damping: f64,
+    /// Springs in a joint of one coordinate: the effort is `spring_effort - stiffness q`, in N m/rad and N m, or N/m and N.
+    pub stiffness: f64,
+    pub spring_effort: f64,
     /// First position and first velocity of the joint.
     pub position: usize,
     pub velocity: usize,
 }
 
-/// A tree of links in joint coordinates.
+/// A tree of links in joint coordinates, with dampers and springs in the joints.
 ///
 /// Positions of a joint: the angle or length; for `Planar` x, y and the angle; for `Spherical` a quaternion
 /// `(x, y, z, w)`; for `Floating` the position, then a quaternion. Velocities are the free components of the relative
@@ -83,11 +86,19 @@ impl Model {
                 first_moment: body.mass * c,
                 inertia: axes * Matrix3::from_diagonal(&body.inertia) * axes.transpose() + parallel,
                 damping: joint.damping,
+                stiffness: 0.0,
+                spring_effort: 0.0,
                 position: positions,
                 velocity: velocities,
             });
             positions += positions_of(joint.kind);
             velocities += joint.kind.degrees_of_freedom();
+        }
+        for spring in &system.parts.joint_springs {
+            let link = &mut links[spring.body];
+            link.stiffness += spring.stiffness;
+            link.spring_effort += spring.stiffness * spring.rest;
+            link.damping += spring.damping;
         }
         for i in (0..links.len()).rev() {
             if let Some(p) = links[i].parent {
@@ -95,6 +106,18 @@ impl Model {
             }
         }
         Model { links, gravity: system.gravity, positions, velocities, initial: system.initial_coordinates.clone() }
+    }
+
+    /// What dampers and springs exert along the velocities of a joint.
+    #[inline(always)]
+    pub(super) fn efforts(&self, link: &Link, q: &[f64], v: &[f64], out: &mut [f64]) {
+        let freedoms = link.velocity..link.velocity + link.kind.degrees_of_freedom();
+        for (out, v) in out.iter_mut().zip(&v[freedoms]) {
+            *out = -link.damping * v;
+        }
+        if let JointKind::Revolute | JointKind::Prismatic = link.kind {
+            out[0] += link.spring_effort - link.stiffness * q[link.position];
+        }
     }
 
     /// The system's initial positions and velocities.

@@ -90,8 +90,8 @@ impl Dynamics {
         }
     }
 
-    /// Joint forces that give the accelerations `a` at the positions and velocities given: inverse dynamics. Damping is
-    /// not part of them.
+    /// Joint forces that give the accelerations `a` at the positions and velocities given: inverse dynamics. Dampers
+    /// and springs are not part of them.
     pub fn inverse(&mut self, q: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
         self.place(q);
         self.newton_euler(v, Some(a));
@@ -105,7 +105,7 @@ impl Dynamics {
         &self.mass
     }
 
-    /// Accelerations of the joint coordinates under gravity and damping: `H a = -b - c v`. `None` where the mass matrix is
+    /// Accelerations of the joint coordinates under gravity, dampers and springs: `H a = tau - b`. `None` where the mass matrix is
     /// not positive definite or not a number.
     pub fn accelerations(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         self.place(q);
@@ -113,8 +113,11 @@ impl Dynamics {
         self.composite_bodies();
         self.force.neg_mut();
         for link in &self.model.links {
-            for k in link.velocity..link.velocity + link.kind.degrees_of_freedom() {
-                self.force[k] -= link.damping * v[k];
+            let mut efforts = [0.0; 6];
+            let freedoms = link.kind.degrees_of_freedom();
+            self.model.efforts(link, q, v, &mut efforts[..freedoms]);
+            for (k, effort) in efforts[..freedoms].iter().enumerate() {
+                self.force[link.velocity + k] += effort;
             }
         }
         let factor = self.mass.clone().cholesky()?;

@@ -14,17 +14,20 @@ use rattlebench::discrete::solve::central_difference;
 use rattlebench::discrete::structure::{canonical_form, join, split};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::engines::{self, Spec};
-use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
+use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics, joint_coordinates};
 use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 use rattlebench::model::Scene;
 
 /// s
 const STEP: f64 = 0.01;
 
-const METHODS: [&str; 4] = ["rattle:order=2", "rattle:order=4", "rattle:order=6", "rattle:order=8"];
+const METHODS: [&str; 6] =
+    ["rattle:order=2", "rattle:order=4", "rattle:order=6", "rattle:order=8", "galerkin:stages=2", "galerkin:stages=4"];
 
 fn step(method: &str, system: &System, state: &State, h: f64) -> State {
-    let from_here = System { initial: state.clone(), ..system.clone() };
+    let mut initial_coordinates = system.initial_coordinates.clone();
+    joint_coordinates(system, state, &mut initial_coordinates);
+    let from_here = System { initial: state.clone(), initial_coordinates, ..system.clone() };
     let mut engine = engines::build(&Spec::parse(method).unwrap(), &from_here, h).unwrap();
     engine.step().unwrap();
     let mut out = state.clone();
@@ -129,7 +132,7 @@ fn five_links() -> System {
         energy_scale,
         floating_base: None,
         parts: Parts::default(),
-        mobility: Mobility::default(),
+        mobility: Mobility { tree: kinds.iter().map(|kind| kind.degrees_of_freedom()).sum(), ..Mobility::default() },
     }
 }
 
@@ -158,10 +161,10 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
         let found = METHODS.map(|method| defect(&|s| step(method, system, s, STEP)));
         println!("{:16} {} Runge-Kutta {runge_kutta:.1e}", system.name, found.map(|d| format!("{d:.1e}")).join(" "));
         let worst = found.into_iter().fold(0.0, f64::max);
-        // measured 6e-14 (cart_pole) to 9.1e-11 (arm_6), all of it from the differences
+        // measured 6e-14 (cart_pole) to 1.0e-10 (arm_6), all of it from the differences
         assert!(worst <= 2e-10, "{}: {found:?}", system.name);
-        // measured 3.7e3 (pendulum) to 4e7 (chain_10)
-        assert!(runge_kutta >= 1e3 * worst, "{}: {runge_kutta:e}", system.name);
+        // measured 8.6e2 (pendulum) to 4e7 (chain_10)
+        assert!(runge_kutta >= 4e2 * worst, "{}: {runge_kutta:e}", system.name);
     }
 }
 

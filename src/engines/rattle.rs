@@ -141,6 +141,10 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
              where it passes a singular configuration; take a smaller step",
             names.bonds[index]
         ),
+        Failure::Leap { gained } => format!(
+            "t = {time:.6} s: the linkage passes a singular configuration, where a step of {step} s would throw it onto another \
+             branch with {gained:.2} of its kinetic energy from nowhere; take another step, or start it elsewhere"
+        ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",
             names.joints[joint]

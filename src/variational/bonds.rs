@@ -153,8 +153,8 @@ impl Bond {
                 self.axes = parent.r * joint.parent_frame;
                 let gap = mismatch(joint, &child, &parent);
                 let linear = ball.as_ref().map_or(gap.linear, |ball| mismatch(ball, &child, &parent).linear);
-                self.gap0 = Spatial::new(linear, gap.angular).scaled(back);
-                self.gap0.angular = self.keep_reached(self.gap0.angular);
+                let angular = self.keep_reached(gap.angular);
+                self.gap0 = Spatial::new(linear, angular).scaled(back);
             }
             Kind::Coupling { .. } => self.gap0.linear.x = back * self.length.value.x,
             Kind::Spring { from, to, .. } => {

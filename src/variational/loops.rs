@@ -18,8 +18,11 @@ use crate::mechanics::System;
 /// Redundant rows that contradict each other by more than this, over the system's length, are an open loop.
 const CONTRADICTION: f64 = 1e-10;
 
-/// A row of the exact linearisation counts as implied below this, over the largest.
-const RANK: f64 = 1e-12;
+/// The part of the kinetic energy that a step of a linkage may gain by its error. Whips with `h |Omega|` near 1 gain 0.05.
+const LEAP: f64 = 0.3;
+
+/// A row of the exact linearisation whose velocity is this part of that on free bodies is implied by the others.
+const RANK: f64 = 1e-10;
 
 /// The bond that is farthest from closed.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +62,20 @@ pub(super) struct Loops {
     packed: Vec<Wrench>,
     ground: Vec<Pose>,
     predictor: Predictor,
+    /// Energies of the last step and of the one that is being tried.
+    last: Option<StepEnergy>,
+    tried: StepEnergy,
+}
+
+/// Energies of a step, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StepEnergy {
+    /// Kinetic energy of the momenta between the half kicks.
+    pub kinetic: f64,
+    /// Work of gravity over the step.
+    pub work: f64,
+    /// Kinetic energy that gravity alone gives in the step from rest.
+    pub fall: f64,
 }
 
 impl Loops {
@@ -86,9 +103,16 @@ impl Loops {
                 packed: vec![Spatial::ZERO; entries],
                 ground: vec![Pose::GROUND; entries],
                 predictor: Predictor::new(entries),
+                last: None,
+                tried: StepEnergy::default(),
                 bonds,
             })
         })
+    }
+
+    /// Independent rows of the constraints.
+    pub(super) fn rank(&self) -> usize {
+        self.hold.rank()
     }
 
     /// Starts at a configuration in which the bonds have been placed.
@@ -140,6 +164,7 @@ impl Loops {
             let entry = self.packed[r / 6 + 1];
             *nu = if r % 6 < 3 { entry.linear[r % 3] } else { entry.angular[r % 3] };
         }
+        self.drift.as_mut().unwrap_or(&mut self.hold).keep_effective(&mut self.nu);
     }
 
     /// Remembers the impulses of a half kick `h/2` at `time`.
@@ -236,7 +261,7 @@ impl Loops {
         for (x, row) in self.x.iter_mut().zip(&self.rows_after) {
             *x -= row.rate(&self.twist);
         }
-        let mut largest = 0.0_f64;
+        let schur = self.drift.as_ref().unwrap_or(&self.hold);
         for k in 0..self.rows.len() {
             let row = &self.rows[k];
             newton.respond(
@@ -253,10 +278,13 @@ impl Loops {
             if let Some(spring) = k.checked_sub(self.rigid) {
                 column[k] += self.compliance[spring];
             }
-            largest = column.iter().fold(largest, |a, b| a.max(b.abs()));
+            column.iter_mut().for_each(|entry| *entry *= schur.scale(k));
+            schur.apply_scale(column);
         }
-        self.exact.factorise(RANK * largest);
+        schur.apply_scale(&mut self.x);
+        self.exact.factorise(RANK);
         self.exact.solve(&mut self.x);
+        schur.apply_scale(&mut self.x);
         self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
         let (rows, x) = (&self.rows, &self.x);
         let load = |rhs: &mut [Vector6<f64>]| {
@@ -270,6 +298,18 @@ impl Loops {
     /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
     pub(super) fn accept(&mut self, back: f64) {
         self.bonds.iter_mut().for_each(|bond| bond.accept(back));
+        self.last = Some(self.tried);
+    }
+
+    /// The part of the kinetic energy that a step takes from nowhere, where that is more than [`LEAP`]. Constraints do no work:
+    /// near a singular configuration the equations of a step have other solutions, which throw the linkage onto another
+    /// branch.
+    pub(super) fn leap(&mut self, energy: StepEnergy) -> Option<f64> {
+        self.tried = energy;
+        let last = self.last?;
+        let gained = energy.kinetic - last.kinetic - 0.5 * (energy.work + last.work);
+        let kinetic = energy.kinetic.max(last.kinetic);
+        (gained > LEAP * kinetic + energy.fall + last.fall).then_some(gained / kinetic)
     }
 
     /// After the first pass of a projection of the momenta: the impulses along the constraints' rows that make their

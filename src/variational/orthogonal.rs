@@ -223,7 +223,7 @@ mod tests {
 
     /// A matrix of given shape and rank, entries of order 1.
     fn matrix(rows: usize, columns: usize, rank: usize) -> DMatrix<f64> {
-        let wave = |seed: f64| move |r: usize, c: usize| (seed * (1.0 + r as f64) + 1.7 * (c as f64) * seed).sin();
+        let wave = |seed: f64| move |r: usize, c: usize| (seed * (1.0 + r as f64) * (1.7 + c as f64)).sin();
         DMatrix::from_fn(rows, rank, wave(1.3)) * DMatrix::from_fn(rank, columns, wave(2.9))
     }
 

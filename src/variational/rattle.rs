@@ -28,7 +28,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::compensated::{Compensated, Compensated3};
 use super::joints::{Motion, Moved, Node, Place, Pose, along_joint, coordinates_of, keep_locked, mismatch, nodes};
-use super::loops::{Loops, Worst};
+use super::loops::{Loops, StepEnergy, Worst};
 use super::newton::{Newton, Tried, turning_inertia};
 use super::predictor::Predictor;
 use super::rotation::Rotation;
@@ -53,6 +53,9 @@ pub enum Failure {
     Constraint { joint: usize, rounds: usize, residual: f64 },
     /// A loop, coupling or spring does not close, or cannot: the index among loops, then couplings, then springs.
     Loop { index: usize, rounds: usize, residual: f64 },
+    /// Near a singular configuration, the step would throw the linkage onto another branch, with this part of its kinetic
+    /// energy from nowhere.
+    Leap { gained: f64 },
     /// A joint can move without moving any mass.
     Singular { joint: usize },
     /// A body's state stopped being a number.
@@ -281,7 +284,7 @@ impl Rattle {
             let near = if exact { 1e4 } else { 64.0 };
             let stagnant = residual > 0.3 * last && residual <= near * roundoff;
             if residual <= roundoff || stagnant {
-                return self.refuse_contradictions(rounds);
+                return self.refuse_false_solutions(h, rounds);
             }
             let slow = residual > 0.2 * last;
             if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
@@ -366,10 +369,27 @@ impl Rattle {
         Some(loops.measure(h, &self.nodes, &self.places, &|i| trial[i].motion, self.length))
     }
 
-    /// Fails where redundant rows contradict each other: no impulse closes the loop.
-    fn refuse_contradictions(&mut self, rounds: usize) -> Result<(), Failure> {
-        let open = self.loops.as_mut().and_then(|loops| loops.contradiction(&self.nodes, self.length));
-        open.map_or(Ok(()), |(index, residual)| Err(Failure::Loop { index, rounds, residual }))
+    /// Fails where redundant rows contradict each other, so that no impulse closes the loop, and where a linkage leaps.
+    fn refuse_false_solutions(&mut self, h: f64, rounds: usize) -> Result<(), Failure> {
+        let Some(mut loops) = self.loops.take() else { return Ok(()) };
+        let open = loops.contradiction(&self.nodes, self.length);
+        let open = open.map(|(index, residual)| Failure::Loop { index, rounds, residual });
+        let leap = loops.leap(self.step_energy(h)).map(|gained| Failure::Leap { gained });
+        self.loops = Some(loops);
+        open.or(leap).map_or(Ok(()), Err)
+    }
+
+    /// The energies of the step that is being tried.
+    fn step_energy(&self, h: f64) -> StepEnergy {
+        let mut sum = StepEnergy::default();
+        for ((node, body), trial) in self.nodes.iter().zip(&self.bodies).zip(&self.trial).skip(1) {
+            let p = body.p.plus(&trial.kick.linear);
+            let spin = trial.hm.component_mul(&trial.hm).component_div(&node.inertia).sum() / (h * h);
+            sum.kinetic += 0.5 * (p.norm_squared() / node.mass + spin);
+            sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
+            sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
+        }
+        sum
     }
 
     /// (3): one round of the chord iteration.
@@ -502,6 +522,11 @@ impl Rattle {
                 angular_velocity: twist.angular,
             };
         }
+    }
+
+    /// Independent rows of the loops and couplings in the present configuration.
+    pub fn rank(&self) -> usize {
+        self.loops.as_ref().map_or(0, |loops| loops.rank())
     }
 
     /// Rounds of the constraint iteration since the start.

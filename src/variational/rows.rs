@@ -20,7 +20,7 @@ use super::tree::Tree;
 const ENDS: usize = 4;
 
 /// A row whose velocity, over that of the same row on free bodies, is below this is implied by the other rows.
-const RANK: f64 = 1e-10;
+const RANK: f64 = 1e-7;
 
 /// A wrench on up to four nodes, each about the node's joint point, world axes.
 #[derive(Clone, Copy, Debug)]
@@ -113,13 +113,36 @@ impl Schur {
         if self.factors.rank() < x.len() {
             self.apply_scale(x);
             self.factors.project_on_rows(x);
-            for (x, scale) in x.iter_mut().zip(&self.scale) {
-                *x = if *scale > 0.0 { *x / scale } else { 0.0 };
-            }
+            self.remove_scale(x);
         }
     }
 
-    fn apply_scale(&self, x: &mut [f64]) {
+    /// Takes away the part of the impulses `x` that changes nothing. Impulses extrapolated from step to step would gather
+    /// such a part, which nothing corrects: it grew without bound on a Bricard linkage.
+    pub(super) fn keep_effective(&mut self, x: &mut [f64]) {
+        if self.factors.rank() < x.len() {
+            self.remove_scale(x);
+            self.factors.project_on_rows(x);
+            self.apply_scale(x);
+        }
+    }
+
+    fn remove_scale(&self, x: &mut [f64]) {
+        for (x, scale) in x.iter_mut().zip(&self.scale) {
+            *x = if *scale > 0.0 { *x / scale } else { 0.0 };
+        }
+    }
+
+    pub(super) fn rank(&self) -> usize {
+        self.factors.rank()
+    }
+
+    /// What row `r` is multiplied by.
+    pub(super) fn scale(&self, r: usize) -> f64 {
+        self.scale[r]
+    }
+
+    pub(super) fn apply_scale(&self, x: &mut [f64]) {
         x.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
     }
 }

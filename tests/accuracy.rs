@@ -5,7 +5,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use rattlebench::engines::{ENGINES, Spec};
+use rattlebench::engines::{self, ENGINES, Spec};
 use rattlebench::measure::Horizon;
 use rattlebench::measure::comparison::{Comparison, Progress};
 use rattlebench::measure::convergence::Verdict;
@@ -99,12 +99,17 @@ fn engines_of(system: &System) -> Vec<Spec> {
     specs(&texts)
 }
 
+/// The shipped scenes that the reference takes.
 fn systems() -> Vec<System> {
     let mut folders: Vec<_> =
         std::fs::read_dir("models").expect("models").map(|entry| entry.expect("readable").path()).collect();
     folders.sort();
     let scenes = folders.iter().map(|folder| folder.join("scene.json")).filter(|path| path.is_file());
-    scenes.map(|path| common::compile(&Scene::load(path).expect("a scene"))).collect()
+    let mut systems: Vec<System> = scenes.map(|path| common::compile(&Scene::load(path).expect("a scene"))).collect();
+    let reference = Spec::parse("reference").expect("a spec");
+    systems.retain(|system| engines::build(&reference, system, 1e-3).is_ok());
+    assert!(systems.len() >= 9);
+    systems
 }
 
 #[test]

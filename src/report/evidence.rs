@@ -73,10 +73,11 @@ pub struct EngineParity {
     /// The same with the constraints solved to the end, where the engine's settings leave them half solved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration_solved: Option<f64>,
-    /// What the figures are held to: the last of them the accelerations, solved where there are two, the others all the
-    /// rest.
+    /// What the figures are held to: accelerations, solved where there are two, to the second bound, the others to the first.
     pub bound: f64,
-    pub acceleration_bound: f64,
+    /// Absent where accelerations are told and not judged: single precision, and constraints solved by iterations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration_bound: Option<f64>,
 }
 
 /// How processor times were measured.

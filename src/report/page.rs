@@ -203,7 +203,7 @@ fn parity_of(parity: &evidence::Parity) -> Markup {
             "Relative differences at t = 0 between what an engine has and the system. Masses, inertias and centres of mass are \
              read back from engines that keep their own. Accelerations are those of the joints, from the first steps of the engine, \
              against the reference; solved: the same with the constraints solved to the end, where the settings of the engine \
-             leave them half solved."
+             leave them half solved. In single precision and with impulse joints they are told and not judged; what is read back is."
         }
     }
 }

@@ -54,8 +54,8 @@ fn a_method_that_holds_energy_and_is_late_looks_bad() {
     let energy = second.energy.as_ref().expect("energy").max_relative_error;
     // measured 1.0e-2 of the energy scale, without drift, and 0.21 rad
     assert!(energy < 2.5e-2 && position_error(second) > 0.1, "{energy:e}, {:e}", position_error(second));
-    // measured 1.3e-09
-    assert!(position_error(eighth) < 3e-09, "{:e}", position_error(eighth));
+    // measured 1.3e-9
+    assert!(position_error(eighth) < 3e-9, "{:e}", position_error(eighth));
     let accuracy = second.accuracy.as_ref().expect("compared");
     assert!(accuracy.samples == 200 && accuracy.until_s == 10.0, "{accuracy:?}");
     assert!(accuracy.rms_joint_error > 0.0 && accuracy.rms_joint_error < accuracy.max_joint_error);

@@ -36,6 +36,7 @@ fn studied(scene: &Scene, engines: &[&str], step: f64, duration: f64, swept: boo
         horizons: &horizons,
         budget: Duration::from_secs(600),
         jobs: 1,
+        structure: false,
     };
     let sweep = if swept { sweep::settings_of(&engines, false) } else { Vec::new() };
     let study = Study { comparison, sweep: &sweep };

@@ -40,17 +40,6 @@ fn run_composed(system: &System, composition: &Composition, h: f64, duration: f6
     figures
 }
 
-/// Slope of log y over log x, least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x.ln() / n, b + y.ln() / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
-        let (dx, dy) = (x.ln() - mx, y.ln() - my);
-        (a + dx * dy, b + dx * dx)
-    });
-    xy / xx
-}
-
 fn assert_order_two_and_joints_hold(system: &System, duration: f64, energy_at_1e3: f64) {
     let mut points = Vec::new();
     for h in [1e-3, 5e-4, 2e-4, 1e-4] {
@@ -100,21 +89,6 @@ fn zoo() -> System {
 fn a_chain_of_every_joint_type_has_order_two_and_holds_its_joints() {
     // measured 6.2e-7, order 2.00, position 1.6e-15 m, velocity 4.9e-15
     assert_order_two_and_joints_hold(&zoo(), 1.0, 1.5e-6);
-}
-
-/// A spatial chain of five links with revolute, spherical and prismatic joints.
-fn five_links() -> System {
-    let mut scene = chain(&[
-        (Revolute, Vector3::y()),
-        (Spherical, Vector3::x()),
-        (Revolute, Vector3::new(0.0, 1.0, 1.0)),
-        (Prismatic, Vector3::new(0.0, 1.0, 0.3)),
-        (Revolute, Vector3::z()),
-    ]);
-    scene.initial[1].position = vec![0.3, -0.2, 0.5];
-    scene.initial[3].velocity = vec![0.2];
-    scene.initial[4].position = vec![0.8];
-    compile(&scene)
 }
 
 #[test]
@@ -200,15 +174,6 @@ fn a_thousand_steps_and_back_return_to_the_start() {
         println!("travelled {travelled:.2}, missed by {missed:.1e}");
         assert!(missed <= 1e-10);
     }
-}
-
-/// Largest difference of positions (m) and attitudes (rad).
-fn distance(a: &State, b: &State) -> f64 {
-    a.bodies
-        .iter()
-        .zip(&b.bodies)
-        .map(|(a, b)| (a.position - b.position).norm().max(a.attitude.angle_to(&b.attitude)))
-        .fold(0.0, f64::max)
 }
 
 /// Position residuals stay at roundoff, and the energy error stays at its h^2 law, down to tiny steps.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use discrete_common::{at_least, at_most, distance, start};
 use rattlebench::discrete::flow::Motion;
-use rattlebench::discrete::lagrangian::{DiscreteLagrangian, SharedLagrangian};
+use rattlebench::discrete::force::Force;
+use rattlebench::discrete::lagrangian::{DiscreteLagrangian, Forced, Jet, SharedLagrangian};
 use rattlebench::discrete::maps::{
     euler_lagrange_residual, hamiltonian_map, hamiltonian_map_derivative, lagrangian_map,
 };
@@ -16,6 +17,7 @@ use rattlebench::discrete::problems::{
     Problem, RadialPolynomial, Spring, coupled_wells, double_pendulum, radial_particle,
 };
 use rattlebench::discrete::quadrature::{Quadrature, collocation_matrix};
+use rattlebench::discrete::solve::SolveError;
 use rattlebench::discrete::structure::{canonical_form, join, momentum_maps, symplectic_form, symplecticity_defect};
 use rattlebench::discrete::system::Mechanical;
 use rattlebench::discrete::{Matrix, Vector};
@@ -171,8 +173,43 @@ fn mw_1_6_3_the_exact_discrete_lagrangian_generates_the_flow() {
     }
 }
 
-/// MW 2.1.2: a null Lagrangian changes no position (weak equivalence) but shifts momenta; a multiple of h alone changes
-/// nothing (strong equivalence).
+/// A discrete Lagrangian with a number added that depends on the step alone.
+struct PlusNumber(SharedLagrangian);
+
+impl DiscreteLagrangian for PlusNumber {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn jet(&self, q0: &Vector, q1: &Vector, h: f64) -> Result<Jet, SolveError> {
+        let jet = self.0.jet(q0, q1, h)?;
+        Ok(Jet { value: jet.value + h * h, ..jet })
+    }
+
+    fn forced(&self, force: &dyn Force, q0: &Vector, q1: &Vector, h: f64) -> Result<Forced, SolveError> {
+        self.0.forced(force, q0, q1, h)
+    }
+}
+
+/// MW 2.1.2: discrete Lagrangians that differ by a number have one discrete Hamiltonian map (strong equivalence).
+#[test]
+fn mw_2_1_2_strongly_equivalent_discrete_lagrangians_have_the_same_map() {
+    let problem = coupled_wells();
+    let plain: SharedLagrangian = Arc::new(alpha(problem.system.clone(), 0.5));
+    let (q0, p0) = start(&problem);
+    let own = hamiltonian_map(plain.as_ref(), &q0, &p0, H).unwrap();
+    let lifted = PlusNumber(plain.clone());
+    assert!(distance(&hamiltonian_map(&lifted, &q0, &p0, H).unwrap(), &own) == 0.0);
+    let values = [plain.as_ref(), &lifted as &dyn DiscreteLagrangian].map(|ld| ld.value(&q0, &own.0, H).unwrap());
+    // measured 1.0e-02
+    at_least(values[1] - values[0], 5e-3, "the values differ");
+    // Gauss-Legendre 1 comes from other unknowns and is the midpoint rule.
+    let gauss1 = hamiltonian_map(&gauss(problem.system.clone(), 1), &q0, &p0, H).unwrap();
+    // measured 2.2e-16
+    at_most(distance(&gauss1, &own), 5e-16, "Gauss-Legendre 1");
+}
+
+/// MW 2.1.2: a null Lagrangian changes no position (weak equivalence) but shifts momenta.
 #[test]
 fn mw_2_1_2_equivalent_discrete_lagrangians_have_the_same_motion() {
     let problem = coupled_wells();
@@ -440,6 +477,21 @@ fn mw_2_6_2_galerkin_methods_are_symplectic_partitioned_rk() {
         at_most(gap(&constant, &a, &b), 5e-15, format!("{s}"));
         // measured 3.1e-10
         at_least(gap(&varying, &c, &d), 1e-10, format!("{s}"));
+    }
+}
+
+/// MW 2.6.10: any quadrature serves, and the order is that of the worse of trajectories and quadrature. The three-eighths rule
+/// has order 4, and so has the method on cubics, whose own order is 6.
+#[test]
+fn mw_2_6_10_galerkin_takes_any_quadrature() {
+    let equidistant =
+        Quadrature { nodes: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0], weights: vec![0.125, 0.375, 0.375, 0.125], order: 4 };
+    for problem in [coupled_wells(), double_pendulum()] {
+        let (ld, map) = table_order(&polynomial(problem.system.clone(), 3, &equidistant), &problem);
+        // measured 3.3e-04
+        at_most((ld - 4.0).abs(), 1e-3, "order of L_d");
+        // measured 1.8e-03
+        at_most((map - 4.0).abs(), 5e-3, "order of the map");
     }
 }
 

@@ -199,6 +199,21 @@ fn every_method_has_its_order_on_a_chain_of_every_joint_type() {
     }
 }
 
+#[test]
+fn the_error_of_dop853_follows_its_tolerance() {
+    let system = zoo();
+    let reference = &trajectory(&system, &[0.4]).unwrap().states[0];
+    let errors = ["1e-5", "1e-7", "1e-9", "1e-11"]
+        .map(|tolerance| distance(&run(&format!("dop853:tolerance={tolerance}"), &system, 0.2, 2), reference));
+    println!("{errors:?}");
+    // measured 1.5e-7, 2.6e-9, 8.1e-11, 9.6e-13
+    for (error, bound) in errors.into_iter().zip([4e-7, 7e-9, 2e-10, 3e-12]) {
+        assert!(error <= bound, "{errors:?}");
+    }
+    let fine = distance(&run("dop853:tolerance=1e-5", &system, 0.001, 400), reference);
+    assert!(fine < 1e-2 * errors[0], "it lands on every step: {fine:e}");
+}
+
 /// The system released from where another one has come to, everything turned round.
 fn reversed(system: &System, state: &State) -> System {
     let mut back = system.clone();

@@ -17,6 +17,10 @@ use rattlebench::report::metrics::METRICS;
 use rattlebench::report::{Report, finding, page, table};
 
 fn compared(scene: &Scene, engines: &[&str], steps: &[f64], duration: f64) -> Report {
+    report(scene, engines, steps, duration, false)
+}
+
+fn report(scene: &Scene, engines: &[&str], steps: &[f64], duration: f64, structure: bool) -> Report {
     let system: System = compile(scene);
     let engines: Vec<Spec> = engines.iter().map(|text| Spec::parse(text).expect("a spec")).collect();
     let horizons: Vec<Horizon> = steps.iter().map(|h| Horizon::nearest(*h, duration).expect("a run")).collect();
@@ -26,6 +30,7 @@ fn compared(scene: &Scene, engines: &[&str], steps: &[f64], duration: f64) -> Re
         horizons: &horizons,
         budget: Duration::from_secs(60),
         jobs: 1,
+        structure,
     };
     let results = comparison.run(&AtomicBool::new(false), &Progress::default());
     Report::new(scene, &system, &results, "rattlebench compare".to_string())
@@ -37,7 +42,7 @@ fn charts(report: &Report) -> Vec<(&'static str, Vec<u8>)> {
 
 #[test]
 fn a_report_survives_being_written_and_read() {
-    let report = compared(&alternating(2), &["rattle", "rapier"], &[0.01, 0.005], 1.0);
+    let report = report(&alternating(2), &["rattle", "rapier"], &[0.01, 0.005], 1.0, true);
     let json = report.to_json().expect("JSON");
     assert_eq!(Report::from_json(&json).expect("a report"), report);
     assert!(!json.contains("null") && !json.contains("NaN"));
@@ -51,7 +56,7 @@ fn a_report_survives_being_written_and_read() {
 
 #[test]
 fn every_metric_is_the_figure_at_its_path() {
-    let report = compared(&alternating(1), &["rapier"], &[0.01], 1.0);
+    let report = report(&alternating(1), &["rapier"], &[0.01], 1.0, true);
     let run = serde_json::to_value(&report.runs[0]).expect("JSON");
     for metric in &METRICS {
         let at_path = metric.name.split('.').fold(&run, |value, key| &value[key]).as_f64();
@@ -98,6 +103,29 @@ fn what_a_scene_has_not_is_left_out() {
     let chain = compared(&alternating(2), &["rattle"], &[0.01], 1.0);
     assert!(chain.runs[0].constraint.is_some() && chain.runs[0].momentum.is_none());
     assert!(table::text(&chain).contains("joint error"));
+}
+
+#[test]
+fn the_structure_of_a_step_is_reported_where_it_is_asked_for() {
+    let engines = ["rattle", "rapier:joints=multibody,precision=f64"];
+    let mut scene = alternating(2);
+    scene.initial[1].velocity = vec![2.0];
+    let report = report(&scene, &engines, &[0.01], 1.0, true);
+    let found: Vec<_> = report.runs.iter().map(|r| r.structure.as_ref().expect("examined")).collect();
+    assert!(found.iter().all(|s| s.at_s == 0.5 && s.detail.is_none() && s.momentum_map.is_none()), "{found:?}");
+    let forms: Vec<_> = found.iter().map(|s| s.symplecticity.as_ref().expect("measured")).collect();
+    assert!(forms[0].defect <= forms[0].differencing_error, "{forms:?}");
+    assert!(forms[1].defect >= 100.0 * forms[1].differencing_error, "{forms:?}");
+    assert!(found[0].time_level_corrected.is_none() && found[1].time_level_corrected.is_some());
+    let text = table::structure_text(&report).expect("a table");
+    assert!(text.contains("differences") && text.contains("corrected") && !text.contains("momentum"), "{text}");
+    assert!(charts(&report).iter().any(|(name, _)| *name == "structure.png"));
+    assert!(page::html(&report, &[]).contains("<h2>Structure of 8 steps</h2>"));
+
+    let without = compared(&alternating(2), &["rattle"], &[0.01], 1.0);
+    assert!(without.runs[0].structure.is_none() && table::structure_text(&without).is_none());
+    assert!(charts(&without).iter().all(|(name, _)| *name != "structure.png"));
+    assert!(!page::html(&without, &[]).contains("Structure of "));
 }
 
 #[test]

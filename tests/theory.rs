@@ -42,6 +42,65 @@ fn the_topics_asked_for_are_written_and_no_others() {
     assert!(text(&output.stdout).starts_with("figure1: ") && text(&output.stdout).contains("\nsmall-steps: "));
 }
 
+/// Topics computed one at a time into one folder make the same page as topics computed together, and it links the files that
+/// are there.
+#[test]
+fn the_page_has_the_topics_of_the_folder_whenever_they_were_computed() {
+    let (one, both) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let run = |arguments: &[&str], folder: &Path| {
+        let output = theory(&[arguments, &["--out", folder.to_str().expect("UTF-8")]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        folder_text(folder, "index.html")
+    };
+    let links = |page: &str, name: &str| page.contains(&format!("href=\"{name}\""));
+    let first = run(&["small-steps"], one.path());
+    assert!(links(&first, "small-steps.json") && links(&first, "small-steps.md") && !links(&first, "figure1.json"));
+    let second = run(&["figure1"], one.path());
+    assert!(links(&second, "small-steps.json") && links(&second, "figure1.json") && !links(&second, "figure1.md"));
+    assert!(second.find("id=\"figure1\"") < second.find("id=\"small-steps\""), "in the order of the list");
+    let together = run(&["figure1", "small-steps"], both.path());
+    let body = |page: &str| page.split("<h2>Command</h2>").next().map(str::to_string);
+    assert_eq!(body(&second), body(&together));
+    // A file that is not of the theory is named, with a remedy.
+    fs::write(one.path().join("figure1.json"), "{}").expect("written");
+    let output = theory(&["small-steps", "--out", one.path().to_str().expect("UTF-8")]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("figure1.json: not a file of `theory`"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn saved_topics_are_drawn_again_to_the_byte_and_match_their_schema() {
+    let (folder, again) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let output = theory(&["figure2", "small-steps", "--out", folder.path().to_str().expect("UTF-8")]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rattlebench =
+        |arguments: &[&str]| assert_cmd::cargo::cargo_bin_cmd!("rattlebench").args(arguments).output().expect("runs");
+    let before: Vec<Vec<u8>> =
+        names(folder.path()).iter().map(|name| fs::read(folder.path().join(name)).expect("a file")).collect();
+    let saved = folder.path().join("figure2.json");
+    assert!(rattlebench(&["chart", saved.to_str().expect("UTF-8")]).status.success());
+    let after: Vec<Vec<u8>> =
+        names(folder.path()).iter().map(|name| fs::read(folder.path().join(name)).expect("a file")).collect();
+    assert!(before == after, "drawn again in its folder");
+    let out = again.path().to_str().expect("UTF-8");
+    assert!(rattlebench(&["chart", saved.to_str().expect("UTF-8"), "--out", out]).status.success());
+    assert_eq!(names(again.path()), ["figure2.png", "index.html"]);
+    let schema: serde_json::Value =
+        serde_json::from_slice(&rattlebench(&["schema", "theory"]).stdout).expect("JSON Schema");
+    let file: serde_json::Value = serde_json::from_str(&folder_text(folder.path(), "figure2.json")).expect("JSON");
+    for key in file.as_object().expect("an object").keys() {
+        assert!(schema["properties"].get(key).is_some(), "{key} is in the schema");
+    }
+    // The data of another topic are refused.
+    let wrong =
+        folder_text(folder.path(), "small-steps.json").replace("\"topic\":\"small-steps\"", "\"topic\":\"orders\"");
+    let path = again.path().join("wrong.json");
+    fs::write(&path, wrong).expect("written");
+    let output = rattlebench(&["chart", path.to_str().expect("UTF-8")]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("the data are not those of topic \"orders\""), "{}", text(&output.stderr));
+}
+
 /// The curves of figure 1 tell what the paper says: RK4 loses energy, Newmark does not.
 #[test]
 fn figure_1_as_json_holds_the_curves_that_the_picture_shows() {

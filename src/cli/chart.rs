@@ -3,13 +3,16 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use super::CliError;
+use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
 use crate::report::{Report, files};
 
-/// Draw the charts and the page of saved reports again.
+/// Draw the charts and the page of saved reports, and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// report.json files.
+    /// report.json files, and JSON files that `theory` wrote.
     #[arg(required = true, value_name = "REPORT.json")]
     report: Vec<PathBuf>,
     /// Folder for the charts and the page; with several reports, for one folder each [default: where the report is].
@@ -17,21 +20,67 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
+/// What a JSON file holds.
+enum Saved {
+    Report(Box<Report>),
+    Theory(Box<TheoryFile>),
+}
+
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let reports = args.report.iter().map(|path| Ok((path, read(path)?))).collect::<Result<Vec<_>, CliError>>()?;
+    let saved = args.report.iter().map(|path| Ok((path, read(path)?))).collect::<Result<Vec<_>, CliError>>()?;
+    let (mut reports, mut topics) = (Vec::new(), Vec::new());
+    for (path, file) in saved {
+        match file {
+            Saved::Report(report) => reports.push((path, report)),
+            Saved::Theory(topic) => topics.push((path, *topic)),
+        }
+    }
+    let mut pages = Vec::new();
     for (path, report) in &reports {
         let folder = match &args.out {
-            Some(out) if reports.len() == 1 => out.clone(),
+            Some(out) if reports.len() + topics.len() == 1 => out.clone(),
             Some(out) => out.join(&report.scene.name),
-            None => path.parent().unwrap_or(Path::new("")).to_path_buf(),
+            None => beside(path),
         };
-        let page = files::draw(report, &folder)?;
-        writeln!(std::io::stdout().lock(), "{}", page.display())?;
+        pages.push(files::draw(report, &folder)?);
     }
+    pages.extend(draw_topics(topics, args.out.as_deref())?);
+    let mut out = std::io::stdout().lock();
+    pages.iter().try_for_each(|page| writeln!(out, "{}", page.display()))?;
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Report, CliError> {
+/// One page for all topics of a folder, or for the topics given where there is a folder for them.
+fn draw_topics(topics: Vec<(&PathBuf, TheoryFile)>, out: Option<&Path>) -> Result<Vec<PathBuf>, CliError> {
+    match out {
+        _ if topics.is_empty() => Ok(Vec::new()),
+        Some(out) => {
+            let files: Vec<TheoryFile> = topics.into_iter().map(|(_, file)| file).collect();
+            Ok(vec![theory::draw(&files, out)?])
+        }
+        None => {
+            let mut folders: Vec<PathBuf> = topics.iter().map(|(path, _)| beside(path)).collect();
+            folders.sort();
+            folders.dedup();
+            folders.iter().map(|folder| Ok(theory::draw_folder(folder)?)).collect()
+        }
+    }
+}
+
+fn beside(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+fn read(path: &Path) -> Result<Saved, CliError> {
+    #[derive(Deserialize)]
+    struct Head {
+        schema: Option<String>,
+    }
     let text = std::fs::read_to_string(path).map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
-    Report::from_json(&text).map_err(|error| CliError::Report { path: path.to_path_buf(), error })
+    let head: Option<Head> = serde_json::from_str(&text).ok();
+    if head.and_then(|head| head.schema).as_deref() == Some(FILE_SCHEMA) {
+        return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?)));
+    }
+    let report = Report::from_json(&text).map_err(|error| CliError::Report { path: path.to_path_buf(), error })?;
+    Ok(Saved::Report(Box::new(report)))
 }

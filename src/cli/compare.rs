@@ -60,6 +60,9 @@ pub struct Args {
     /// Only the two largest steps, over at most 2 s of simulated time, and a short list of settings.
     #[arg(long)]
     quick: bool,
+    /// Examine eight steps of each run too: how far they are from symplectic, reversible and momentum conserving.
+    #[arg(long)]
+    structure: bool,
 }
 
 /// A scene with what is to be run on it.
@@ -97,6 +100,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             horizons: &task.horizons,
             budget,
             jobs: jobs.unwrap_or(1),
+            structure: args.structure,
         };
         compare(task, Study { comparison, sweep: &task.sweep }, interrupted)?;
     }
@@ -155,6 +159,7 @@ fn compare(task: &Task, study: Study, interrupted: &AtomicBool) -> Result<(), Cl
     let counters = Progress::default();
     let stages = [
         progress::Stage { name: "measuring", total: study.steps(), done: &counters.traced },
+        progress::Stage { name: "examining", total: study.comparison.examinations(), done: &counters.examined },
         progress::Stage { name: "timing", total: study.turns(), done: &counters.timed },
     ];
     let findings = progress::during(&task.scene.name, &stages, || study.run(interrupted, &counters));
@@ -172,6 +177,9 @@ fn print(report: &Report, page: &Path) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}\n{}\n", report.scene.name, finding::sentence(report))?;
     writeln!(out, "{}", table::text(report))?;
+    if let Some(structure) = table::structure_text(report) {
+        writeln!(out, "structure of {} steps\n{structure}", crate::measure::structure::STEPS)?;
+    }
     if let Some(sweep) = &report.sweep {
         if let Some(targets) = summary::targets(sweep) {
             let until = sweep.until_s;

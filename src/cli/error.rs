@@ -11,6 +11,7 @@ use crate::mechanics::CompileError;
 use crate::model::{ModelError, SceneError, SceneProblem};
 use crate::report::files::WriteError;
 use crate::report::record::ReadError;
+use crate::report::theory::TheoryError;
 
 /// Why a subcommand could not do its work.
 #[derive(Debug, thiserror::Error)]
@@ -43,6 +44,8 @@ pub enum CliError {
     Read { path: PathBuf, error: io::Error },
     #[error("--output {path}: {error}", path = path.display())]
     Output { path: PathBuf, error: io::Error },
+    #[error(transparent)]
+    TheoryFile(#[from] TheoryError),
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("cannot write JSON: {0}")]

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use super::CliError;
 use crate::model::scene_file::SceneFile;
 use crate::report::Report;
+use crate::report::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]
@@ -21,12 +22,15 @@ enum File {
     Scene,
     /// A report.json.
     Report,
+    /// A file that `theory` writes.
+    Theory,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
     let schema = match args.file {
         File::Scene => schemars::schema_for!(SceneFile),
         File::Report => schemars::schema_for!(Report),
+        File::Theory => schemars::schema_for!(TheoryFile),
     };
     let text = serde_json::to_string_pretty(&schema)?;
     writeln!(std::io::stdout().lock(), "{text}")?;

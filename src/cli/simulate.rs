@@ -66,6 +66,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Ok(ended) => ended,
     };
     output.close()?;
+    for remark in engine.remarks() {
+        eprintln!("remark: {spec}: {remark}");
+    }
     match ended {
         Ended::Completed => Ok(()),
         Ended::Interrupted => Err(CliError::Interrupted),
@@ -257,7 +260,7 @@ impl Run<'_> {
                 number(rows, *x, ",")?;
             }
         }
-        let energy = energy::energy(self.system, state);
+        let energy = energy::energy_at_coordinates(self.system, state, &tracker.joints);
         let residual = constraint::residual_with_couplings(self.system, state, &tracker.joints);
         for x in [energy.kinetic, energy.potential, energy.total(), residual.position, residual.velocity] {
             number(rows, x, ",")?;

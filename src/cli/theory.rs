@@ -40,10 +40,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         };
         topics.iter().zip(&counters).map(compute).collect::<Result<Vec<(&Topic, Data)>, CliError>>()
     })?;
-    let (sections, page) = theory::write(&computed, &input::command_line(), &args.out)?;
+    let (files, page) = theory::write(computed, &input::command_line(), &args.out)?;
     let mut out = std::io::stdout().lock();
-    for (section, (topic, _)) in sections.iter().zip(&computed) {
-        writeln!(out, "{}: {}\n", topic.name, section.finding)?;
+    for file in &files {
+        writeln!(out, "{}: {}\n", file.topic, file.finding)?;
     }
     writeln!(out, "{}", page.display())?;
     Ok(())

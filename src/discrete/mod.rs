@@ -29,7 +29,8 @@
 //! | MW 3.5.5 | stages on N | [`methods::constrained_lobatto`] |
 //! | MW 3.7 | both | [`constrained`] on a [`lagrangian::WithForce`] |
 //! | MW 4.2, 4.9.1 | time as a coordinate; the step is solved for | [`extended`] |
-//! | PC 2 | steps in `(q, v)` that survive `h -> 0` | [`tangent`] |
+//! | PC 2 | discretisations `(psi, alpha+, alpha-)` of TQ; steps in `(q, v)` that survive `h -> 0` | [`tangent`] |
+//! | PC 4 | two discrete Lagrangians on the two sides | [`two_sided`] |
 //! | MW figures 1, 2 | energy against RK4 | [`figures`] |
 //!
 //! Nearly all methods are one form of sum with different numbers, [`stencil`]; a new one is a file in [`methods`] and a
@@ -54,6 +55,7 @@ pub mod stencil;
 pub mod structure;
 pub mod system;
 pub mod tangent;
+pub mod two_sided;
 
 /// A vector of R^n.
 pub type Vector = nalgebra::DVector<f64>;

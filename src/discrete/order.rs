@@ -115,27 +115,55 @@ pub fn order_row(method: &Method, problem: &Problem) -> Result<Option<OrderRow>,
 /// [`SolveError`] where the reference motion fails.
 pub fn order_samples(ld: &dyn DiscreteLagrangian, problem: &Problem) -> Result<Vec<OrderSample>, SolveError> {
     let motion = Motion::of(problem.system.as_ref());
-    let mut middles = vec![motion.flow(&problem.q, &problem.v, 0.0, REFERENCE_STEP)?];
-    for i in 1..STARTS / 2 {
-        middles.push(motion.flow(&middles[i - 1].q, &middles[i - 1].v, BETWEEN_STARTS, REFERENCE_STEP)?);
-    }
+    let mut middles = points_along(&motion, &problem.q, &problem.v, STARTS / 2, BETWEEN_STARTS)?;
     let back: Vec<MotionPoint> = middles.iter().map(|m| MotionPoint { v: -&m.v, ..m.clone() }).collect();
     middles.extend(back);
-    let mut samples = Vec::new();
+    let errors = mean_errors(&motion, &middles, |start, end, h| one_step_errors(ld, &motion, start, end, h))?;
+    let sample = |(h, [lagrangian, legendre_minus, legendre_plus, map]): (f64, [f64; 4])| OrderSample {
+        h,
+        lagrangian,
+        legendre_minus,
+        legendre_plus,
+        map,
+    };
+    Ok(errors.into_iter().map(sample).collect())
+}
+
+/// So many points of a motion, `apart` s from one to the next.
+fn points_along(
+    motion: &Motion<'_>,
+    q: &Vector,
+    v: &Vector,
+    count: usize,
+    apart: f64,
+) -> Result<Vec<MotionPoint>, SolveError> {
+    let mut points = vec![motion.flow(q, v, 0.0, REFERENCE_STEP)?];
+    for i in 1..count {
+        points.push(motion.flow(&points[i - 1].q, &points[i - 1].v, apart, REFERENCE_STEP)?);
+    }
+    Ok(points)
+}
+
+/// Root mean squares of the errors of steps about the points given, for every step size at which none is `None`. `squares`
+/// takes start, end and length of a step of the reference motion to squared errors.
+fn mean_errors<const N: usize>(
+    motion: &Motion<'_>,
+    middles: &[MotionPoint],
+    mut squares: impl FnMut(&MotionPoint, &MotionPoint, f64) -> Option<[f64; N]>,
+) -> Result<Vec<(f64, [f64; N])>, SolveError> {
+    let mut found = Vec::new();
     'steps: for k in 0..STEPS {
         let h = LONGEST_STEP * 0.5f64.powf(k as f64 / 3.0);
-        let mut sums = [0.0; 4];
-        for middle in &middles {
+        let mut sums = [0.0; N];
+        for middle in middles {
             let start = motion.flow(&middle.q, &middle.v, -0.5 * h, REFERENCE_STEP)?;
-            let Some(errors) = one_step_errors(ld, &motion, &start, h)? else { continue 'steps };
-            for (sum, error) in sums.iter_mut().zip(errors) {
-                *sum += error / STARTS as f64;
-            }
+            let end = motion.flow(&start.q, &start.v, h, REFERENCE_STEP)?;
+            let Some(errors) = squares(&start, &end, h) else { continue 'steps };
+            sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
         }
-        let [lagrangian, legendre_minus, legendre_plus, map] = sums.map(f64::sqrt);
-        samples.push(OrderSample { h, lagrangian, legendre_minus, legendre_plus, map });
+        found.push((h, sums.map(|sum| (sum / middles.len() as f64).sqrt())));
     }
-    Ok(samples)
+    Ok(found)
 }
 
 /// Squared errors of `L_d`, `F-`, `F+` and the map in one step; `None` where the step cannot be solved.
@@ -143,20 +171,20 @@ fn one_step_errors(
     ld: &dyn DiscreteLagrangian,
     motion: &Motion<'_>,
     start: &MotionPoint,
+    end: &MotionPoint,
     h: f64,
-) -> Result<Option<[f64; 4]>, SolveError> {
-    let end = motion.flow(&start.q, &start.v, h, REFERENCE_STEP)?;
+) -> Option<[f64; 4]> {
     let (p0, p1) = (motion.system.momentum(&start.q, &start.v), motion.system.momentum(&end.q, &end.v));
     let guess = &start.q + &start.v * h;
-    let (Ok(jet), Ok((q, p))) = (ld.jet(&start.q, &end.q, h), hamiltonian_map_from(ld, &start.q, &p0, guess, h)) else {
-        return Ok(None);
-    };
-    Ok(Some([
+    let jet = ld.jet(&start.q, &end.q, h).ok()?;
+    let (q, p) = hamiltonian_map_from(ld, &start.q, &p0, guess, h).ok()?;
+    Some([
+        // The action is collected since the start of the step.
         (jet.value - end.action).powi(2),
         (-jet.d1 - p0).norm_squared(),
         (jet.d2 - &p1).norm_squared(),
         (q - &end.q).norm_squared() + (p - p1).norm_squared(),
-    ]))
+    ])
 }
 
 /// Order from triples of step, error and the roundoff of the error: the slope of the logarithms, less one, over the
@@ -186,23 +214,11 @@ pub fn map_order<F>(motion: &Motion<'_>, q: &Vector, v: &Vector, mut map: F) -> 
 where
     F: FnMut(&Vector, &Vector, f64) -> Result<(Vector, Vector), SolveError>,
 {
-    let mut middles = vec![motion.flow(q, v, 0.0, REFERENCE_STEP)?];
-    for i in 1..STARTS {
-        middles.push(motion.flow(&middles[i - 1].q, &middles[i - 1].v, 0.5 * BETWEEN_STARTS, REFERENCE_STEP)?);
-    }
-    let mut errors = Vec::new();
-    'steps: for k in 0..STEPS {
-        let h = LONGEST_STEP * 0.5f64.powf(k as f64 / 3.0);
-        let mut sum = 0.0;
-        for middle in &middles {
-            let start = motion.flow(&middle.q, &middle.v, -0.5 * h, REFERENCE_STEP)?;
-            let end = motion.flow(&start.q, &start.v, h, REFERENCE_STEP)?;
-            let p0 = motion.system.momentum(&start.q, &start.v);
-            let Ok((q1, p1)) = map(&start.q, &p0, h) else { continue 'steps };
-            let p_error = p1 - motion.system.momentum(&end.q, &end.v);
-            sum += ((q1 - &end.q).norm_squared() + p_error.norm_squared()) / STARTS as f64;
-        }
-        errors.push((h, sum.sqrt(), f64::EPSILON / h));
-    }
-    Ok(fitted_order(errors.into_iter()))
+    let middles = points_along(motion, q, v, STARTS, 0.5 * BETWEEN_STARTS)?;
+    let errors = mean_errors(motion, &middles, |start, end, h| {
+        let Ok((q1, p1)) = map(&start.q, &motion.system.momentum(&start.q, &start.v), h) else { return None };
+        let p_error = p1 - motion.system.momentum(&end.q, &end.v);
+        Some([(q1 - &end.q).norm_squared() + p_error.norm_squared()])
+    })?;
+    Ok(fitted_order(errors.into_iter().map(|(h, [error])| (h, error, f64::EPSILON / h))))
 }

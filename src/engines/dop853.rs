@@ -68,16 +68,12 @@ impl Engine for Dop853 {
         let (mut reached, mut rejected) = (0.0, false);
         while reached < step {
             let rest = step - reached;
-            let h = if self.natural >= rest {
-                rest
-            } else {
-                self.natural.min(0.5 * rest).max(self.natural.min(rest) * 0.5)
-            };
+            // A step that would leave a short rest is halved.
+            let h = if self.natural >= rest { rest } else { self.natural.min(0.5 * rest) };
             if !(h > 1e-14 * step) {
                 return Err(self.state.diverged());
             }
             let error = self.attempt(h)?;
-            // Roundoff hides errors below the smallest number that the growth can use.
             let growth = (0.9 * error.powf(-0.125)).clamp(1.0 / 3.0, 6.0);
             if error <= 1.0 {
                 self.accept()?;

@@ -34,6 +34,11 @@ pub trait Engine {
     fn position_lag_s(&self) -> f64 {
         0.0
     }
+
+    /// What a reader of the run should know about how it was done so far, one sentence each.
+    fn remarks(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Why a step could not be taken.

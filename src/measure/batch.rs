@@ -36,25 +36,13 @@ impl Batch<'_> {
             // The longest first, so that no thread is left alone with it.
             order.reverse();
         }
-        let (begin, next) = (Instant::now(), AtomicUsize::new(0));
-        let found: Vec<Mutex<Option<Trace>>> = self.cases.iter().map(|_| Mutex::new(None)).collect();
-        std::thread::scope(|scope| {
-            for _ in 0..self.jobs.clamp(1, self.cases.len().max(1)) {
-                scope.spawn(|| {
-                    while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let left = self.together.map_or(self.budget, |all| all.saturating_sub(begin.elapsed()));
-                        let limits = Limits { budget: left.min(self.budget), interrupted, taken };
-                        let result = self.trace_one(i, &limits);
-                        if let Ok(mut slot) = found[i].lock() {
-                            *slot = result;
-                        }
-                    }
-                });
-            }
+        let begin = Instant::now();
+        let traces = on_threads(self.jobs, &order, |i| {
+            let left = self.together.map_or(self.budget, |all| all.saturating_sub(begin.elapsed()));
+            self.trace_one(i, &Limits { budget: left.min(self.budget), interrupted, taken })
         });
-        let traces = found.into_iter().map(|slot| slot.into_inner().ok().flatten());
         let run = |(case, trace): (&(&Spec, Horizon), Option<Trace>)| {
-            Some(Run { engine: case.0.clone(), horizon: case.1, trace: trace?, timing: None })
+            Some(Run { engine: case.0.clone(), horizon: case.1, trace: trace?, structure: None, timing: None })
         };
         self.cases.iter().zip(traces).map(run).collect()
     }
@@ -69,6 +57,29 @@ impl Batch<'_> {
             }
         }
     }
+}
+
+/// Does the pieces of work named by `order` on so many threads; the results stand at their own places.
+pub(super) fn on_threads<T: Send>(
+    jobs: usize,
+    order: &[usize],
+    work: impl Fn(usize) -> Option<T> + Sync,
+) -> Vec<Option<T>> {
+    let next = AtomicUsize::new(0);
+    let found: Vec<Mutex<Option<T>>> = order.iter().map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.clamp(1, order.len().max(1)) {
+            scope.spawn(|| {
+                while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let result = work(i);
+                    if let Ok(mut slot) = found[i].lock() {
+                        *slot = result;
+                    }
+                }
+            });
+        }
+    });
+    found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
 /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.

@@ -1,12 +1,13 @@
 //! Several engines at several step sizes on one system: all traced runs, then all timed ones.
 
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::Horizon;
 use super::batch::{self, Batch};
 use super::clock::{self, Effort, Timing};
-use super::trace::Trace;
+use super::structure::{self, Structure};
+use super::trace::{Limits, Trace};
 use super::truth::Truth;
 use crate::engines::Spec;
 use crate::mechanics::System;
@@ -22,13 +23,16 @@ pub struct Comparison<'a> {
     pub budget: Duration,
     /// Threads for the traced runs. Timed runs have the machine to themselves.
     pub jobs: usize,
+    /// Examine the structure of a few steps of each run too.
+    pub structure: bool,
 }
 
 /// How far a comparison is, for a progress bar.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Steps of traced runs, and turns of timed ones.
+    /// Steps of traced runs, runs of which a few steps were examined, and turns of timed ones.
     pub traced: AtomicU64,
+    pub examined: AtomicU64,
     pub timed: AtomicU64,
 }
 
@@ -38,6 +42,7 @@ pub struct Run {
     pub engine: Spec,
     pub horizon: Horizon,
     pub trace: Trace,
+    pub structure: Option<Structure>,
     pub timing: Option<Timing>,
 }
 
@@ -55,6 +60,11 @@ impl Comparison<'_> {
         self.engines.len() as u64 * self.horizons.iter().map(|h| h.steps).sum::<u64>()
     }
 
+    /// Runs of which a few steps are examined.
+    pub fn examinations(&self) -> u64 {
+        if self.structure { (self.engines.len() * self.horizons.len()) as u64 } else { 0 }
+    }
+
     /// Turns that the timed runs take at most.
     pub fn turns(&self) -> u64 {
         (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
@@ -69,14 +79,37 @@ impl Comparison<'_> {
         results
     }
 
-    /// The traced runs alone, their positions compared with the truth where it is known.
+    /// The traced runs alone, their positions compared with the truth where it is known, and what a few steps of each
+    /// preserve.
     pub(super) fn trace(&self, truth: Option<&Truth>, interrupted: &AtomicBool, progress: &Progress) -> Results {
-        let cases = self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
+        let cases: Vec<(&Spec, Horizon)> =
+            self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
         let &Comparison { system, budget, jobs, .. } = self;
-        let batch = Batch { system, cases, truth, budget, together: None, jobs };
+        let batch = Batch { system, cases: cases.clone(), truth, budget, together: None, jobs };
         let found = batch.trace(interrupted, &progress.traced);
-        let interrupted = found.iter().any(Option::is_none);
-        Results { runs: found.into_iter().flatten().collect(), interrupted }
+        let missing = found.iter().any(Option::is_none);
+        let structures = self.examine_all(&cases, &Limits { budget, interrupted, taken: &progress.examined });
+        let runs = found.into_iter().zip(structures);
+        Results {
+            runs: runs.filter_map(|(run, structure)| Some(Run { structure, ..run? })).collect(),
+            interrupted: missing,
+        }
+    }
+
+    /// Examines a few steps of every case, all from the same state.
+    fn examine_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Structure>> {
+        if !self.structure || limits.interrupted.load(Ordering::Relaxed) {
+            return vec![None; cases.len()];
+        }
+        let shortest = cases.iter().map(|(_, horizon)| horizon.end).fold(f64::INFINITY, f64::min);
+        let (state, at) = structure::examined_state(self.system, shortest);
+        let order: Vec<usize> = (0..cases.len()).collect();
+        batch::on_threads(self.jobs, &order, |i| {
+            let (spec, horizon) = cases[i];
+            let found = structure::examine(self.system, spec, horizon.step, (&state, at), limits);
+            limits.taken.fetch_add(1, Ordering::Relaxed);
+            found
+        })
     }
 
     /// Times traced runs. False where interrupted.

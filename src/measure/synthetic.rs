@@ -21,9 +21,9 @@ pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
     coordinates.velocity[0] = speed;
     let gravity = Vector3::zeros();
     let initial = forward_kinematics(&bodies, &[coordinates]);
-    System {
+    let mut system = System {
         name: "flywheel".into(),
-        energy_scale: energy::scale(&bodies, &gravity, &initial),
+        energy_scale: 1.0,
         bodies,
         gravity,
         initial,
@@ -31,7 +31,9 @@ pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
         floating_base: None,
         parts: Parts::default(),
         mobility: Mobility::default(),
-    }
+    };
+    system.energy_scale = energy::scale(&system);
+    system
 }
 
 /// Turns the flywheel with the angular velocity `speed(n)` after `n` steps, and fails at step `fails_at`.

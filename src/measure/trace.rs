@@ -1,5 +1,6 @@
 //! One traced run: energy, joint residuals and momentum from the state after every step.
 
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -8,8 +9,9 @@ use super::accuracy::{Accuracy, Follower};
 use super::growth::{Growth, Stretch, growth};
 use super::series::Series;
 use super::truth::Truth;
-use super::work::DampingWork;
+use super::work::Work;
 use crate::engines::{Engine, StepFailure};
+use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::momentum::{self, Conserved};
 use crate::mechanics::{State, System, constraint, energy};
 
@@ -72,8 +74,8 @@ pub struct Trace {
     pub series: Series<QUANTITIES>,
 }
 
-/// Energy errors over the energy scale of the scene, signed: negative where energy is missing. In damped scenes the
-/// work of the dampers is added first.
+/// Energy errors over the energy scale of the scene, signed: negative where energy is missing. In damped and driven scenes
+/// it is the balance: the work of the dampers is added first and that of the drives taken off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyError {
     /// Largest absolute value over all steps.
@@ -185,6 +187,14 @@ pub fn trace_against<'a>(
     Some(probe.finish(outcome))
 }
 
+/// A state's energies, J, and joint residuals.
+struct Sample {
+    time: f64,
+    energy: f64,
+    corrected: f64,
+    residual: constraint::Residual,
+}
+
 /// The figures of a run while it goes on.
 struct Probe<'a> {
     system: &'a System,
@@ -195,7 +205,12 @@ struct Probe<'a> {
     /// Energy of the scene's initial state, J: as it is, and with its positions moved back like those of every state.
     start_energy: f64,
     corrected_start: f64,
-    damping: Option<DampingWork>,
+    /// Joint coordinates with angles unwrapped, where springs, dampers or drives need them.
+    joints: CoordinateTracker,
+    tracked: bool,
+    work: Option<Work>,
+    /// States whose work is not known yet.
+    waiting: VecDeque<Sample>,
     energy: EnergyError,
     corrected: EnergyError,
     residual: constraint::Residual,
@@ -209,10 +224,14 @@ struct Probe<'a> {
 impl<'a> Probe<'a> {
     fn new(system: &'a System, engine: &dyn Engine, horizon: Horizon) -> Probe<'a> {
         let mut state = system.initial.clone();
-        let start_energy = energy::energy(system, &state).total();
-        // Without gravity the positions have no energy.
-        let lag = if system.gravity == nalgebra::Vector3::zeros() { 0.0 } else { engine.position_lag_s() };
-        let corrected_start = energy::energy_at_velocity_time(system, &state, lag).total();
+        let joints = CoordinateTracker::new(system);
+        let start_energy = energy::energy_at_coordinates(system, &state, &joints.joints).total();
+        let parts = &system.parts;
+        let springs = !parts.joint_springs.is_empty() || !parts.point_springs.is_empty();
+        // Without gravity and springs the positions have no energy.
+        let lag = if springs || system.gravity != nalgebra::Vector3::zeros() { engine.position_lag_s() } else { 0.0 };
+        let corrected_start = energy::energy_at_velocity_time(system, &state, &joints.joints, lag).total();
+        let work = Work::new(system, &joints, horizon.step);
         let conserved: Vec<(Conserved, f64)> = momentum::conserved(system)
             .into_iter()
             .map(|component| {
@@ -225,8 +244,11 @@ impl<'a> Probe<'a> {
             start: start_difference(system, &state),
             momentum: vec![0.0; conserved.len()],
             conserved,
+            tracked: work.is_some() || !parts.joint_springs.is_empty(),
+            joints,
+            work,
+            waiting: VecDeque::new(),
             follower: None,
-            damping: DampingWork::new(system),
             lag,
             energy: EnergyError::default(),
             corrected: EnergyError::default(),
@@ -251,20 +273,26 @@ impl<'a> Probe<'a> {
         if !self.state.is_finite() {
             return Err(format!("t = {time:.6} s: the state is not a number"));
         }
-        let work = self.damping.as_mut().map_or(0.0, |d| d.add(system, &self.state, self.horizon.step));
-        let relative = |energy: f64, start: f64| (energy + work - start) / system.energy_scale;
-        let error = relative(energy::energy(system, &self.state).total(), self.start_energy);
+        if self.tracked {
+            self.joints.update(system, &self.state, self.horizon.step);
+        }
+        let joints = &self.joints.joints;
+        let energy = energy::energy_at_coordinates(system, &self.state, joints).total();
         let corrected = match self.lag {
-            0.0 => error,
-            lag => relative(energy::energy_at_velocity_time(system, &self.state, lag).total(), self.corrected_start),
+            0.0 => energy,
+            lag => energy::energy_at_velocity_time(system, &self.state, joints, lag).total(),
         };
         let residual = constraint::residual(system, &self.state);
+        let mut known = Vec::new();
+        if let Some(work) = &mut self.work {
+            work.add(system, &self.state, &self.joints, |w| known.push(w));
+        }
+        let rough = self.work.as_ref().map_or(0.0, Work::rough);
+        let error = (energy + rough - self.start_energy) / system.energy_scale;
         if !(error.abs() <= DIVERGED && corrected.is_finite() && residual.position.is_finite()) {
             return Err(format!("t = {time:.6} s: the energy is wrong by {:.1e} of the energy scale", error.abs()));
         }
         self.taken += 1;
-        self.energy.add(error);
-        self.corrected.add(corrected);
         self.residual.position = self.residual.position.max(residual.position);
         self.residual.velocity = self.residual.velocity.max(residual.velocity);
         for ((component, start), largest) in self.conserved.iter().zip(&mut self.momentum) {
@@ -274,11 +302,31 @@ impl<'a> Probe<'a> {
         if let Some(follower) = &mut self.follower {
             follower.add(time, self.horizon.step, &self.state);
         }
-        self.series.push(time, [error, corrected, residual.position, residual.velocity]);
+        self.waiting.push_back(Sample { time, energy, corrected, residual });
+        if self.work.is_none() {
+            known.push(0.0);
+        }
+        known.into_iter().for_each(|work| self.judge(work));
         Ok(())
     }
 
-    fn finish(self, outcome: Outcome) -> Trace {
+    /// Judges the energy of the state that has waited longest for its work, J.
+    fn judge(&mut self, work: f64) {
+        let Some(sample) = self.waiting.pop_front() else { return };
+        let relative = |energy: f64, start: f64| (energy + work - start) / self.system.energy_scale;
+        let error = relative(sample.energy, self.start_energy);
+        let corrected = relative(sample.corrected, self.corrected_start);
+        self.energy.add(error);
+        self.corrected.add(corrected);
+        self.series.push(sample.time, [error, corrected, sample.residual.position, sample.residual.velocity]);
+    }
+
+    fn finish(mut self, outcome: Outcome) -> Trace {
+        let mut known = Vec::new();
+        if let Some(work) = &mut self.work {
+            work.finish(|w| known.push(w));
+        }
+        known.into_iter().for_each(|work| self.judge(work));
         let measured = self.taken > 0;
         let stretches: Vec<Stretch> = self
             .series

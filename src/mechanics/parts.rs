@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::State;
+use super::{State, System};
 use crate::model::scene::LoopKind;
 
 /// All of them.
@@ -79,6 +79,29 @@ impl Anchor {
     pub fn position(&self, state: &State) -> Vector3<f64> {
         self.body.map_or(self.point, |b| state.bodies[b].position + state.bodies[b].attitude * self.point)
     }
+
+    /// How fast the point moves, m/s, world axes.
+    pub fn velocity(&self, state: &State) -> Vector3<f64> {
+        self.body.map_or(Vector3::zeros(), |b| {
+            let body = &state.bodies[b];
+            body.velocity + body.angular_velocity.cross(&(body.attitude * self.point))
+        })
+    }
+}
+
+impl PointSpring {
+    /// From the first point to the second, m, world axes, and its rate of change, m/s.
+    pub fn line(&self, state: &State) -> (Vector3<f64>, Vector3<f64>) {
+        let line = self.to.position(state) - self.from.position(state);
+        (line, self.to.velocity(state) - self.from.velocity(state))
+    }
+
+    /// Distance of the points, m, and its rate of change, m/s (0 where they coincide).
+    pub fn distance(&self, state: &State) -> (f64, f64) {
+        let (line, rate) = self.line(state);
+        let distance = line.norm();
+        (distance, if distance > 0.0 { line.dot(&rate) / distance } else { 0.0 })
+    }
 }
 
 /// Effort `effort + amplitude sin(angular_frequency t + phase)` in a joint of one coordinate, N m or N.
@@ -136,5 +159,29 @@ impl Parts {
         ]
         .into_iter()
         .filter_map(|(part, count)| (count > 0).then_some(part))
+    }
+}
+
+impl System {
+    /// All that pulls on the coordinates of a body's joint, as one spring: the springs together, and the damping of the
+    /// joint with that of the springs. `rest` is where the springs hold each other.
+    pub fn joint_spring(&self, body: usize) -> JointSpring {
+        let springs = || self.parts.joint_springs.iter().filter(|spring| spring.body == body);
+        let stiffness: f64 = springs().map(|spring| spring.stiffness).sum();
+        let damping = self.bodies[body].joint.damping + springs().map(|spring| spring.damping).sum::<f64>();
+        // From the first one, so that the rest of a single spring is not rounded.
+        let first = springs().next().map_or(0.0, |spring| spring.rest);
+        let moment: f64 = springs().map(|spring| spring.stiffness * (spring.rest - first)).sum();
+        let rest = if stiffness > 0.0 { first + moment / stiffness } else { first };
+        JointSpring { body, stiffness, damping, rest }
+    }
+
+    /// A damper, in words for messages: the first that there is in a joint, beside a joint's spring or between two points.
+    pub fn first_damper(&self) -> Option<String> {
+        let springs = self.parts.joint_springs.iter().filter(|spring| spring.damping > 0.0).map(|spring| spring.body);
+        let own = (0..self.bodies.len()).find(|&i| self.bodies[i].joint.damping > 0.0);
+        let joint = own.or(springs.min()).map(|i| format!("joint '{}'", self.bodies[i].joint.name));
+        let points = || self.parts.point_springs.iter().any(|spring| spring.damping > 0.0);
+        joint.or_else(|| points().then(|| "a spring between points".to_string()))
     }
 }

@@ -13,13 +13,14 @@ use crate::model::{self, Base, Model, Scene};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompileError {
     #[error(
-        "scene '{scene}': link '{link}' moves on joint '{joint}' but has no mass; give it an <inertial>, weld it by a \
-         fixed joint to a link that has one, or set \"density\" in the scene"
+        "scene '{scene}': link '{link}' moves on joint '{joint}' but has no mass, nor has anything that hangs on it; give \
+         it an <inertial>, weld it by a fixed joint to a link that has one, or set \"density\" in the scene"
     )]
     Massless { scene: String, link: String, joint: String },
     #[error(
         "scene '{scene}': link '{link}' moves on joint '{joint}' but its smallest principal moment of inertia is \
-         {moment:e} kg m^2; give it an <inertia> with three positive principal moments"
+         {moment:e} kg m^2 and the others are not; give it an <inertia> with three positive principal moments, or with \
+         none for a point mass"
     )]
     NoInertia { scene: String, link: String, joint: String, moment: f64 },
     #[error("scene '{scene}': joint '{joint}': damping {damping} on a floating joint is not simulated; set it to 0")]
@@ -78,6 +79,10 @@ impl System {
                 Given { position: initial.position_given, velocity: initial.velocity_given }
             }));
         }
+        if let Some(empty) = first_without_mass(&bodies) {
+            let (scene, link) = (scene.name.clone(), empty.name.clone());
+            return Err(CompileError::Massless { scene, link, joint: empty.joint.name.clone() });
+        }
         if bodies.is_empty() {
             return Err(CompileError::NothingMoves { scene: scene.name.clone() });
         }
@@ -102,8 +107,7 @@ impl System {
             });
         }
         let initial = forward_kinematics(&bodies, &coordinates);
-        let energy_scale = energy::scale(&bodies, &scene.gravity, &initial);
-        Ok(System {
+        let mut system = System {
             name: scene.name.clone(),
             mobility,
             parts,
@@ -111,9 +115,11 @@ impl System {
             gravity: scene.gravity,
             initial,
             initial_coordinates: coordinates,
-            energy_scale,
+            energy_scale: 1.0,
             floating_base,
-        })
+        };
+        system.energy_scale = energy::scale(&system);
+        Ok(system)
     }
 
     /// Number of coordinates that joints, loops and couplings leave free at t = 0.
@@ -292,7 +298,7 @@ struct Principal {
 fn principal(model: &Model, assembly: &Assembly) -> Principal {
     let inertials =
         || assembly.links.iter().filter_map(|(link, pose)| model.links[*link].inertial.as_ref().map(|i| (i, pose)));
-    let mass: f64 = inertials().map(|(i, _)| i.mass).sum();
+    let mass = inertials().map(|(i, _)| i.mass).fold(0.0, |sum, mass| sum + mass);
     let weighted: Vector3<f64> =
         inertials().map(|(i, pose)| i.mass * (pose * nalgebra::Point3::from(i.com)).coords).sum();
     let com = if mass > 0.0 { weighted / mass } else { Vector3::zeros() };
@@ -388,14 +394,25 @@ fn from_z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI))
 }
 
+/// The first body with no mass in itself and in all that hangs on it.
+fn first_without_mass(bodies: &[Body]) -> Option<&Body> {
+    let mut behind: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+    for i in (0..bodies.len()).rev() {
+        if let Some(parent) = bodies[i].joint.parent {
+            behind[parent] += behind[i];
+        }
+    }
+    bodies.iter().zip(behind).find(|(_, mass)| !(*mass > 0.0)).map(|(body, _)| body)
+}
+
 fn check(scene: &Scene, link: &str, joint: &Joint, frame: &Principal) -> Result<(), CompileError> {
     let (scene, link, name) = (scene.name.clone(), link.to_string(), joint.name.clone());
-    if frame.mass <= 0.0 {
+    let (least, most) = (frame.moments.min(), frame.moments.max());
+    if !(frame.mass > 0.0) && most > 0.0 {
         return Err(CompileError::Massless { scene, link, joint: name });
     }
-    let moment = frame.moments.min();
-    if moment <= 0.0 {
-        return Err(CompileError::NoInertia { scene, link, joint: name, moment });
+    if !(least > 0.0) && most > 0.0 {
+        return Err(CompileError::NoInertia { scene, link, joint: name, moment: least });
     }
     if joint.kind == JointKind::Floating && joint.damping > 0.0 {
         return Err(CompileError::FloatingDamping { scene, joint: name, damping: joint.damping });

@@ -79,7 +79,7 @@ impl Articulated {
             let node = &mut self.nodes[i];
             let carried = above.twist_at(&node.place.offset);
             // `rhs` already holds what `gamma` needs: only the parent's part remains to be taken off.
-            node.motion = node.motion + node.elimination.outward(&mut out[link.velocity..], &carried);
+            node.motion += node.elimination.outward(&mut out[link.velocity..], &carried);
         }
         Some(())
     }

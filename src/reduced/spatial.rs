@@ -219,16 +219,20 @@ pub(super) enum Elimination {
         u: Spatial,
         over_d: f64,
     },
-    Three {
-        s: [Spatial; 3],
-        u: [Spatial; 3],
-        over_d: Matrix3<f64>,
-    },
+    Three(Box<Three>),
     /// All six directions: no inertia passes to the parent. `r` turns link axes to world axes.
     Free {
         r: Matrix3<f64>,
         factor: Box<Cholesky<f64, Const<6>>>,
     },
+}
+
+/// Three directions `s` with their `U` and `D^-1`.
+#[derive(Clone, Debug)]
+pub(super) struct Three {
+    s: [Spatial; 3],
+    u: [Spatial; 3],
+    over_d: Matrix3<f64>,
 }
 
 impl Elimination {
@@ -237,9 +241,11 @@ impl Elimination {
         match kind {
             JointKind::Revolute => Elimination::Turn { n, u, over_d: 0.0 },
             JointKind::Prismatic => Elimination::Slide { n, u, over_d: 0.0 },
-            JointKind::Planar | JointKind::Spherical => {
-                Elimination::Three { s: [Spatial::ZERO; 3], u: [Spatial::ZERO; 3], over_d: Matrix3::zeros() }
-            }
+            JointKind::Planar | JointKind::Spherical => Elimination::Three(Box::new(Three {
+                s: [Spatial::ZERO; 3],
+                u: [Spatial::ZERO; 3],
+                over_d: Matrix3::zeros(),
+            })),
             JointKind::Floating => {
                 let factor = Cholesky::new_unchecked(Matrix6::identity());
                 Elimination::Free { r: Matrix3::identity(), factor: Box::new(factor) }
@@ -264,7 +270,8 @@ impl Elimination {
                 *over_d = reciprocal(n.dot(&u.lin))?;
                 inertia.subtract(u, &u.scaled(*over_d));
             }
-            Elimination::Three { s, u, over_d } => {
+            Elimination::Three(three) => {
+                let Three { s, u, over_d } = three.as_mut();
                 *s = directions(kind, r);
                 *u = s.map(|s| inertia.times(&s));
                 let d = Matrix3::from_fn(|i, k| s[i].dot(&u[k]));
@@ -296,7 +303,8 @@ impl Elimination {
                 rhs[0] -= n.dot(&z.lin);
                 *z + u.scaled(over_d * rhs[0])
             }
-            Elimination::Three { s, u, over_d } => {
+            Elimination::Three(three) => {
+                let Three { s, u, over_d } = three.as_ref();
                 for k in 0..3 {
                     rhs[k] -= s[k].dot(z);
                 }
@@ -328,7 +336,8 @@ impl Elimination {
                 rhs[0] = over_d * (rhs[0] - u.dot(carried));
                 Spatial::new(carried.lin + n * rhs[0], carried.ang)
             }
-            Elimination::Three { s, u, over_d } => {
+            Elimination::Three(three) => {
+                let Three { s, u, over_d } = three.as_ref();
                 let along = Vector3::from_fn(|k, _| rhs[k] - u[k].dot(carried));
                 let found = over_d * along;
                 rhs[..3].copy_from_slice(found.as_slice());

@@ -84,6 +84,7 @@ mod tests {
             energy: None,
             constraint: None,
             momentum: None,
+            structure: None,
             accuracy: Some(accuracy),
             time: Some(time),
             series: None,

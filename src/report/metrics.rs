@@ -14,7 +14,7 @@ pub struct Metric {
 }
 
 /// All figures. A new one is one entry here.
-pub const METRICS: [Metric; 18] = [
+pub const METRICS: [Metric; 22] = [
     Metric {
         name: "energy.max_relative_error",
         unit: "of the energy scale",
@@ -104,6 +104,30 @@ pub const METRICS: [Metric; 18] = [
         unit: "rad",
         summary: "root mean square of these",
         value: |r| Some(r.accuracy.as_ref()?.rms_attitude_error_rad),
+    },
+    Metric {
+        name: "structure.symplecticity.defect",
+        unit: "",
+        summary: "largest entry of A^T Omega A - Omega for the derivative A of a few steps (compare --structure)",
+        value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.defect),
+    },
+    Metric {
+        name: "structure.symplecticity.differencing_error",
+        unit: "",
+        summary: "what the differences that give that derivative err by",
+        value: |r| Some(r.structure.as_ref()?.symplecticity.as_ref()?.differencing_error),
+    },
+    Metric {
+        name: "structure.reversibility.defect",
+        unit: "rad, m, rad/s or m/s",
+        summary: "distance from the start after a few steps, a reversal, as many steps and a reversal",
+        value: |r| Some(r.structure.as_ref()?.reversibility.as_ref()?.defect),
+    },
+    Metric {
+        name: "structure.momentum_map.defect",
+        unit: "of its scale",
+        summary: "largest change of a conserved component of momentum over these steps",
+        value: |r| Some(r.structure.as_ref()?.momentum_map.as_ref()?.defect),
     },
     Metric {
         name: "start.relative_energy",

@@ -14,6 +14,7 @@ pub mod metrics;
 pub mod number;
 pub mod page;
 pub mod record;
+mod structure;
 pub mod summary;
 pub mod table;
 pub mod theory;

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::number::{duration, plain, short, written};
-use super::record::{Machine, Report, SceneRecord, Versions};
+use super::record::{Machine, Report, Run, SceneRecord, Versions};
 use super::summary::{self, Words};
 use super::{evidence, finding, table};
 
@@ -32,6 +32,7 @@ pub fn html(report: &Report, pictures: &[Picture]) -> String {
         @for picture in pictures { (figure(picture)) }
         @if let Some(sweep) = &report.sweep { (costs(sweep)) }
         (runs(report))
+        (structure(report))
         @if let Some(sweep) = &report.sweep { (convergence(sweep)) }
         @if let Some(reference) = &report.reference { (reference_of(reference)) }
         @if let Some(parity) = &report.parity { (parity_of(parity)) }
@@ -80,43 +81,74 @@ pub(super) fn figure(picture: &Picture) -> Markup {
 }
 
 fn runs(report: &Report) -> Markup {
-    let columns = table::columns(report);
-    let class = |number: bool| if number { "number" } else { "word" };
-    let notes: Vec<(String, &str)> = report
-        .runs
-        .iter()
-        .filter_map(|r| Some((format!("{} at {}", r.engine, duration(r.step_s)), r.outcome_detail.as_deref()?)))
-        .collect();
     html! {
         h2 { "Runs" }
+        (engine_table(report, &table::columns(report)))
+        (notes(report, |run| run.outcome_detail.as_deref()))
+        p.small {
+            "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
+             energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
+             the time of the velocities, for engines that return the two at different times. Position error: the \
+             largest error of a joint position against the reference, as long as that is trusted. Joint error: the largest \
+             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
+             grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on \
+             one thread, median of the repeats; long runs are timed over their first part."
+            @if let Some(overhead) = report.timing.as_ref().and_then(|t| t.overhead_us_per_step) {
+                " The loop around a step takes " (plain(1e3 * overhead, 2)) " ns of it."
+            }
+        }
+    }
+}
+
+fn structure(report: &Report) -> Markup {
+    let columns = table::structure_columns(report);
+    let Some(first) = report.runs.iter().find_map(|run| run.structure.as_ref()) else { return html! {} };
+    html! {
+        h2 { "Structure of " (first.steps) " steps" }
+        (engine_table(report, &columns))
+        (notes(report, |run| run.structure.as_ref()?.detail.as_deref()))
+        p.small {
+            (first.steps) " steps from the state " (plain(first.at_s, 3)) " s into the motion, the same for all engines, as one \
+             map of joint coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω for the derivative A of the map, \
+             by differences; a defect below the differences' error cannot be told from none. Reversal: the distance from the start after the \
+             steps, a reversal of all velocities, as many steps and another reversal. Corrected: the same map in coordinates \
+             moved back to the time of the velocities. Momentum: the largest change of a conserved component over its scale. An \
+             engine is made new at every point, from the coordinates and velocities that belong to it. Memory: the distance \
+             between twice the steps of one engine and the steps of two engines made new, which is what steps take from those \
+             before them: joint errors, impulses kept for the next solve. Distances in rad, m, rad/s or m/s."
+        }
+    }
+}
+
+/// A line for each engine, and below it one for each of its runs.
+fn engine_table(report: &Report, columns: &[&table::Column]) -> Markup {
+    let class = |number: bool| if number { "number" } else { "word" };
+    html! {
         div.wide {
             table {
                 thead {
-                    tr { @for c in &columns { th class=(class(c.number)) { (c.heading) br; small { (c.unit) } } } }
+                    tr { @for c in columns { th class=(class(c.number)) { (c.heading) br; small { (c.unit) } } } }
                 }
                 tbody {
                     @for (i, run) in report.runs.iter().enumerate() {
                         @if i == 0 || report.runs[i - 1].engine != run.engine {
                             tr.engine { th.word colspan=(columns.len()) { (run.engine) } }
                         }
-                        tr { @for c in &columns { td class=(class(c.number)) { ((c.cell)(run)) } } }
+                        tr { @for c in columns { td class=(class(c.number)) { ((c.cell)(run)) } } }
                     }
                 }
             }
         }
+    }
+}
+
+/// What is to be said of single runs.
+fn notes(report: &Report, of: fn(&Run) -> Option<&str>) -> Markup {
+    let name = |r: &Run| format!("{} at {}", r.engine, duration(r.step_s));
+    let notes: Vec<(String, &str)> = report.runs.iter().filter_map(|r| Some((name(r), of(r)?))).collect();
+    html! {
         @if !notes.is_empty() {
             ul.notes { @for (run, detail) in &notes { li { strong { (run) } ": " (detail) } } }
-        }
-        p.small {
-            "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
-             energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
-             the time of the velocities, for engines that return the two at different times. Position error: the largest \
-             error of a joint position against the reference, as long as that is trusted. Joint error: the largest \
-             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on one thread, median of the repeats; long runs are timed \
-             over their first part."
-            @if let Some(overhead) = report.timing.as_ref().and_then(|t| t.overhead_us_per_step) {
-                " The loop around a step takes " (plain(1e3 * overhead, 2)) " ns of it."
-            }
         }
     }
 }

@@ -13,6 +13,8 @@ use crate::measure::trace::{self, MomentumError, Outcome as Ended, Trace};
 use crate::mechanics::System;
 use crate::model::{Ignored, Scene};
 
+pub use super::structure::{CorrectedStructure, Memory, MomentumMap, Reversibility, Structure, Symplecticity};
+
 /// Name and version of the format.
 pub const SCHEMA: &str = "rattlebench/report/1";
 
@@ -124,6 +126,9 @@ pub struct Run {
     /// Position errors against the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// What a few steps preserve of the structure of the motion; only where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Structure>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -365,6 +370,7 @@ impl Run {
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
             accuracy: trace.accuracy.map(Accuracy::new),
+            structure: run.structure.as_ref().map(Structure::from),
             time: run.timing.map(|t| time(t, run.horizon.step)),
             series: (!trace.series.blocks.is_empty()).then(|| series(trace)),
         }

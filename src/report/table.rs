@@ -1,7 +1,7 @@
 //! The table of runs, for the terminal and the page.
 
 use super::number::{duration, plain, short};
-use super::record::{Report, Run};
+use super::record::{CorrectedStructure, Report, Run, Structure};
 
 /// A column: its heading, its unit or remark, and what stands in it.
 pub struct Column {
@@ -88,14 +88,92 @@ fn outcome(run: &Run) -> String {
     }
 }
 
-/// The columns below the engine's name in which at least one run of the report has something to say.
-pub fn columns(report: &Report) -> Vec<&'static Column> {
-    COLUMNS.iter().filter(|c| report.runs.iter().any(|run| (c.cell)(run) != ABSENT)).collect()
+/// What a few steps preserve, in a table of its own.
+const STRUCTURE: [Column; 8] = [
+    Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
+    Column {
+        heading: "form",
+        unit: "defect",
+        number: true,
+        cell: |r| figure(structure(r).and_then(|s| Some(s.symplecticity.as_ref()?.defect))),
+    },
+    Column {
+        heading: "differences",
+        unit: "error",
+        number: true,
+        cell: |r| figure(structure(r).and_then(|s| Some(s.symplecticity.as_ref()?.differencing_error))),
+    },
+    Column {
+        heading: "form",
+        unit: "corrected",
+        number: true,
+        cell: |r| figure(corrected(r).and_then(|s| Some(s.symplecticity.as_ref()?.defect))),
+    },
+    Column {
+        heading: "reversal",
+        unit: "defect",
+        number: true,
+        cell: |r| figure(structure(r).and_then(|s| Some(s.reversibility.as_ref()?.defect))),
+    },
+    Column {
+        heading: "reversal",
+        unit: "corrected",
+        number: true,
+        cell: |r| figure(corrected(r).and_then(|s| Some(s.reversibility.as_ref()?.defect))),
+    },
+    Column {
+        heading: "momentum",
+        unit: "of scale",
+        number: true,
+        cell: |r| figure(structure(r).and_then(|s| Some(s.momentum_map.as_ref()?.defect))),
+    },
+    Column {
+        heading: "memory",
+        unit: "distance",
+        number: true,
+        cell: |r| figure(structure(r).and_then(|s| Some(s.memory.as_ref()?.distance))),
+    },
+];
+
+fn figure(x: Option<f64>) -> String {
+    or_absent(x.map(short))
 }
 
-/// The table as aligned text: a line for each engine and, indented below, one for each of its runs.
+fn structure(run: &Run) -> Option<&Structure> {
+    run.structure.as_ref()
+}
+
+fn corrected(run: &Run) -> Option<&CorrectedStructure> {
+    run.structure.as_ref()?.time_level_corrected.as_ref()
+}
+
+/// The columns below the engine's name in which at least one run of the report has something to say.
+pub fn columns(report: &Report) -> Vec<&'static Column> {
+    used(&COLUMNS, report)
+}
+
+/// The columns of the structure of a few steps; empty where it was not examined.
+pub fn structure_columns(report: &Report) -> Vec<&'static Column> {
+    if report.runs.iter().any(|run| run.structure.is_some()) { used(&STRUCTURE, report) } else { Vec::new() }
+}
+
+fn used(columns: &'static [Column], report: &Report) -> Vec<&'static Column> {
+    columns.iter().filter(|c| report.runs.iter().any(|run| (c.cell)(run) != ABSENT)).collect()
+}
+
+/// The table of runs as aligned text.
 pub fn text(report: &Report) -> String {
-    let columns = columns(report);
+    aligned(report, &columns(report))
+}
+
+/// The table of the structure of a few steps as aligned text; `None` where it was not examined.
+pub fn structure_text(report: &Report) -> Option<String> {
+    let columns = structure_columns(report);
+    (!columns.is_empty()).then(|| aligned(report, &columns))
+}
+
+/// A line for each engine and, indented below, one for each of its runs.
+fn aligned(report: &Report, columns: &[&Column]) -> String {
     let cells: Vec<Vec<String>> =
         report.runs.iter().map(|run| columns.iter().map(|c| (c.cell)(run)).collect()).collect();
     let widths: Vec<usize> = columns
@@ -108,7 +186,7 @@ pub fn text(report: &Report) -> String {
         .collect();
     let line = |cells: Vec<&str>| {
         let mut text = String::new();
-        for ((cell, width), column) in cells.into_iter().zip(&widths).zip(&columns) {
+        for ((cell, width), column) in cells.into_iter().zip(&widths).zip(columns) {
             text += "  ";
             text += &if column.number { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
         }

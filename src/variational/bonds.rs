@@ -27,7 +27,7 @@ use crate::model::scene::LoopKind;
 enum Kind {
     /// A joint between two nodes of the tree. `ball` is the same as a ball joint where all motion is locked: the linear part
     /// of the lock is the ball joint's then, the angular part that of `joint`, a slider.
-    Loop { kind: LoopKind, joint: Node, ball: Option<Node> },
+    Loop { kind: LoopKind, joint: Box<Node>, ball: Option<Box<Node>> },
     /// `theta(follower) - multiplier theta(source)` stays what it is.
     Coupling { source: usize, multiplier: f64 },
     /// A spring from the parent's point to the child's.
@@ -57,19 +57,29 @@ pub(super) struct Bond {
     change: f64,
 }
 
+/// A step that is being tried: where it starts, and the motions of the nodes.
+pub(super) struct Trying<'a> {
+    pub nodes: &'a [Node],
+    pub pose: &'a [Pose],
+    pub places: &'a [Place],
+    pub motion: &'a dyn Fn(usize) -> Motion,
+}
+
 /// The bonds of a system: loops, couplings, springs, in this order, so that the rows of springs come last.
 pub(super) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond> {
     let node = |body: Option<usize>| body.map_or(0, |b| b + 1);
     let parts = &system.parts;
     let loops = parts.loops.iter().map(|closure| {
-        let joint = |kind| Node {
-            parent: node(closure.parent),
-            kind,
-            arm: closure.in_child.translation.vector,
-            frame: closure.in_child.rotation.to_rotation_matrix().into_inner(),
-            parent_arm: closure.in_parent.translation.vector,
-            parent_frame: closure.in_parent.rotation.to_rotation_matrix().into_inner(),
-            ..nodes[0].clone()
+        let joint = |kind| {
+            Box::new(Node {
+                parent: node(closure.parent),
+                kind,
+                arm: closure.in_child.translation.vector,
+                frame: closure.in_child.rotation.to_rotation_matrix().into_inner(),
+                parent_arm: closure.in_parent.translation.vector,
+                parent_frame: closure.in_parent.rotation.to_rotation_matrix().into_inner(),
+                ..nodes[0].clone()
+            })
         };
         let (kind, ball) = match closure.kind {
             LoopKind::Revolute => (JointKind::Revolute, None),
@@ -169,22 +179,14 @@ impl Bond {
     }
 
     /// The rows at the end of the motions that are being tried.
-    pub(super) fn rows_after(
-        &self,
-        nodes: &[Node],
-        pose: &[Pose],
-        places: &[Place],
-        motion: &dyn Fn(usize) -> Motion,
-        rows: &mut [Row],
-    ) {
-        let turned = |i: usize, v: Vector3<f64>| v + motion(i).turned(&v);
-        let arms = |i: usize| turned(i, places[i].arm);
+    pub(super) fn rows_after(&self, at: &Trying, rows: &mut [Row]) {
+        let turned = |i: usize, v: Vector3<f64>| v + (at.motion)(i).turned(&v);
+        let arms = |i: usize| turned(i, at.places[i].arm);
         let axes = |i: usize| {
-            let axes = places[i].axes;
-            let parent = nodes[i].parent;
+            let (axes, parent) = (at.places[i].axes, at.nodes[i].parent);
             Matrix3::from_columns(&[0, 1, 2].map(|k| turned(parent, axes.column(k).into_owned())))
         };
-        self.write_rows(nodes, &Configuration { arm: &arms, axes: &axes, moved: Some(motion) }, pose, rows);
+        self.write_rows(at.nodes, &Configuration { arm: &arms, axes: &axes, moved: Some(at.motion) }, at.pose, rows);
     }
 
     fn write_rows(&self, nodes: &[Node], at: &Configuration, pose: &[Pose], rows: &mut [Row]) {

@@ -22,8 +22,12 @@ pub(super) struct Node {
     pub parent_arm: Vector3<f64>,
     /// Axes of the joint frame in the parent's body frame.
     pub parent_frame: Matrix3<f64>,
-    /// N m s/rad or N s/m, for each coordinate.
-    pub damping: f64,
+    /// Where springs, dampers and drives act along the joint's coordinates: their place in the list of forces.
+    pub force: Option<usize>,
+    /// With no or very little inertia.
+    pub light: bool,
+    /// Articulated inertia along the joint that counts as none, kg or kg m^2; 0 unless light.
+    pub least: f64,
 }
 
 /// The system's bodies behind a node for the ground.
@@ -37,7 +41,9 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         frame: Matrix3::identity(),
         parent_arm: Vector3::zeros(),
         parent_frame: Matrix3::identity(),
-        damping: 0.0,
+        force: None,
+        light: false,
+        least: 0.0,
     };
     let bodies = system.bodies.iter().map(|body| Node {
         parent: body.joint.parent.map_or(0, |p| p + 1),
@@ -48,7 +54,9 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         frame: body.joint.in_child.rotation.to_rotation_matrix().into_inner(),
         parent_arm: body.joint.in_parent.translation.vector,
         parent_frame: body.joint.in_parent.rotation.to_rotation_matrix().into_inner(),
-        damping: body.joint.damping,
+        force: None,
+        light: false,
+        least: 0.0,
     });
     std::iter::once(ground).chain(bodies).collect()
 }
@@ -122,7 +130,9 @@ pub(super) fn mismatch(node: &Node, pose: &Pose, parent: &Pose) -> Twist {
             let (gap, axis) = (gap(), axis());
             let (child, parent_axes) = (pose.r * node.frame, parent.r * node.parent_frame);
             let turn = (0..3).map(|k| parent_axes.column(k).cross(&child.column(k))).sum::<Vector3<f64>>();
-            Spatial::new(gap - axis * axis.dot(&gap), 0.5 * turn)
+            // Twice: a long stroke leaves roundoff of its own length along the axis, where the joint cannot answer it.
+            let across = gap - axis * axis.dot(&gap);
+            Spatial::new(across - axis * axis.dot(&across), 0.5 * turn)
         }
         JointKind::Planar => {
             let axis = axis();

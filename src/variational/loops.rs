@@ -5,7 +5,7 @@
 
 use nalgebra::Vector6;
 
-use super::bonds::{Bond, bonds};
+use super::bonds::{Bond, Trying, bonds};
 use super::joints::{Motion, Node, Place, Pose};
 use super::newton::Newton;
 use super::orthogonal::Orthogonal;
@@ -246,31 +246,46 @@ impl Loops {
         &mut self,
         h: f64,
         newton: &mut Newton,
-        nodes: &[Node],
-        pose: &[Pose],
-        places: &[Place],
-        motion: &dyn Fn(usize) -> Motion,
+        at: &Trying,
         mut add: impl FnMut(usize, Wrench),
     ) -> Result<(), Singular> {
+        self.exact_residual(h, newton, at);
+        self.factorise_exactly(newton, at)?;
+        let schur = self.drift.as_ref().unwrap_or(&self.hold);
+        schur.apply_scale(&mut self.x);
+        self.exact.solve(&mut self.x);
+        schur.apply_scale(&mut self.x);
+        self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
+        let (rows, x) = (&self.rows, &self.x);
+        let load = |rhs: &mut [Vector6<f64>]| {
+            for (row, x) in rows.iter().zip(x) {
+                row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector() * *x);
+            }
+        };
+        newton.respond(at.nodes, at.places, load, &mut add)
+    }
+
+    /// What the rows at the end of the motions must still see after the first pass.
+    fn exact_residual(&mut self, h: f64, newton: &Newton, at: &Trying) {
         for bond in &self.bonds {
             let rows = bond.rows();
-            bond.rows_after(nodes, pose, places, motion, &mut self.rows_after);
-            bond.targets_after(h, motion, &self.gap[rows.clone()], &mut self.x[rows]);
+            bond.rows_after(at, &mut self.rows_after);
+            bond.targets_after(h, at.motion, &self.gap[rows.clone()], &mut self.x[rows]);
         }
-        self.twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
+        read_twists(newton, &mut self.twist);
         for (x, row) in self.x.iter_mut().zip(&self.rows_after) {
             *x -= row.rate(&self.twist);
         }
+    }
+
+    /// The complement of the rows at the end of the motions and the impulses along the rows at their start.
+    fn factorise_exactly(&mut self, newton: &mut Newton, at: &Trying) -> Result<(), Singular> {
         let schur = self.drift.as_ref().unwrap_or(&self.hold);
         for k in 0..self.rows.len() {
             let row = &self.rows[k];
-            newton.respond(
-                nodes,
-                places,
-                |rhs| row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector()),
-                |_, _| {},
-            )?;
-            self.twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
+            let load = |rhs: &mut [Vector6<f64>]| row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector());
+            newton.respond(at.nodes, at.places, load, |_, _| {})?;
+            read_twists(newton, &mut self.twist);
             let column = self.exact.column_mut(k);
             for (entry, row) in column.iter_mut().zip(&self.rows_after) {
                 *entry = row.rate(&self.twist);
@@ -281,18 +296,8 @@ impl Loops {
             column.iter_mut().for_each(|entry| *entry *= schur.scale(k));
             schur.apply_scale(column);
         }
-        schur.apply_scale(&mut self.x);
         self.exact.factorise(RANK);
-        self.exact.solve(&mut self.x);
-        schur.apply_scale(&mut self.x);
-        self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
-        let (rows, x) = (&self.rows, &self.x);
-        let load = |rhs: &mut [Vector6<f64>]| {
-            for (row, x) in rows.iter().zip(x) {
-                row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector() * *x);
-            }
-        };
-        newton.respond(nodes, places, load, &mut add)
+        Ok(())
     }
 
     /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
@@ -322,6 +327,10 @@ impl Loops {
         self.hold.solve(x);
         push(&self.rows[..self.rigid], x, places, kick);
     }
+}
+
+fn read_twists(newton: &Newton, twist: &mut [Twist]) {
+    twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
 }
 
 fn worst(bonds: &[Bond], nodes: &[Node], gap: &[f64], length: f64) -> (usize, f64) {

@@ -4,12 +4,17 @@
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
 //! body turns by a rule of [`rotation`]; [`composition`] raises the order.
 
+mod attitude;
 mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+mod forces;
+mod free_body;
 mod joints;
+pub mod lobatto;
 mod loops;
+pub mod method;
 mod newton;
 mod orthogonal;
 mod predictor;
@@ -17,7 +22,10 @@ pub mod rattle;
 pub mod rotation;
 mod rows;
 mod spatial;
+mod tableau;
 mod tree;
 
+pub use lobatto::Lobatto;
+pub use method::Method;
 pub use rattle::{Failure, Rattle};
 pub use rotation::Rotation;

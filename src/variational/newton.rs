@@ -34,6 +34,8 @@ pub(super) struct Tried {
     /// What its joint's own impulse is short of, and what it adds to `D`.
     pub along: Vector3<f64>,
     pub implicit: f64,
+    /// What the impulses on a light body lack for balance, about its centre of mass.
+    pub kick: Wrench,
 }
 
 /// Room for the linearisation at a trial configuration.
@@ -67,6 +69,7 @@ impl Newton {
             locked: Spatial::ZERO,
             along: Vector3::zeros(),
             implicit: 0.0,
+            kick: Spatial::ZERO,
         };
         Newton {
             tried: vec![rest; nodes],
@@ -101,7 +104,7 @@ impl Newton {
             let com =
                 block(&(Matrix3::identity() * nodes[i].mass), &Matrix3::zeros(), &Matrix3::zeros(), &tried.inertia);
             self.a[i] = wrench_shift(&-place.arm) * com * twist_shift(&-arm1);
-            self.rhs[i] = Vector6::zeros();
+            self.rhs[i] = tried.kick.wrench_from(&-place.arm).to_vector();
             let parent_arm = places[parent].arm;
             self.offset1[i] =
                 place.offset + (moved.dx - carried.dx) + moved.turned(&place.arm) - carried.turned(&parent_arm);

@@ -72,13 +72,13 @@ impl Orthogonal {
 
     /// `x <- P Z [ T^-1 T^-T (Z^T P^T x)_rank ; 0 ]`: the solution of least norm of `A^T A y = x`.
     pub(super) fn solve_normal(&mut self, x: &mut [f64]) {
-        self.to_row_space(x);
+        self.enter_row_space(x);
         for k in 0..self.rank {
             let sum: f64 = (0..k).map(|i| self.at(i, k) * self.work[i]).sum();
             self.work[k] = (self.work[k] - sum) / self.at(k, k);
         }
         self.solve_triangle();
-        self.from_row_space(x);
+        self.leave_row_space(x);
     }
 
     /// `x <- P Z [ T^-1 (Q^T x)_rank ; 0 ]`: the least-squares solution of least norm of `A y = x`, for a square matrix.
@@ -94,14 +94,14 @@ impl Orthogonal {
         }
         self.work[..self.rank].copy_from_slice(&x[..self.rank]);
         self.solve_triangle();
-        self.from_row_space(x);
+        self.leave_row_space(x);
     }
 
     /// Takes away what of `x` is orthogonal to all rows of the matrix.
     pub(super) fn project_on_rows(&mut self, x: &mut [f64]) {
         if self.rank < self.columns {
-            self.to_row_space(x);
-            self.from_row_space(x);
+            self.enter_row_space(x);
+            self.leave_row_space(x);
         }
     }
 
@@ -182,7 +182,7 @@ impl Orthogonal {
     }
 
     /// `work <- Z^T P^T x`
-    fn to_row_space(&mut self, x: &[f64]) {
+    fn enter_row_space(&mut self, x: &[f64]) {
         for (k, &pivot) in self.pivot.iter().enumerate() {
             self.work[k] = x[pivot];
         }
@@ -194,7 +194,7 @@ impl Orthogonal {
     }
 
     /// `x <- P Z [ work_rank ; 0 ]`
-    fn from_row_space(&mut self, x: &mut [f64]) {
+    fn leave_row_space(&mut self, x: &mut [f64]) {
         self.work[self.rank..self.columns].fill(0.0);
         if self.rank < self.columns {
             for k in 0..self.rank {

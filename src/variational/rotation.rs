@@ -1,9 +1,25 @@
 //! How a body turns over one step: `R1 = R0 F(s)` with the Cayley rotation `F(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`.
 //!
 //! The vector `s` follows from the body's angular momentum `m0 = R0^T pi` (body axes) by the discrete Legendre transform of
-//! the rule's discrete Lagrangian. Both rules are variational, of order 2 and time-reversible, and leave `pi` as it is.
+//! the rule's discrete Lagrangian. All rules are variational, of order 2 and time-reversible, and leave `pi` as it is.
+//!
+//! Moser-Veselov makes the step RATTLE proper and has no solution once a body turns by about 1 rad a step; the splitting is
+//! explicit, exact for a body with two equal moments, and has no such limit. Measured energy errors of RATTLE with each rule:
+//!
+//! | motion | step | Moser-Veselov | Cayley | splitting |
+//! | --- | --- | --- | --- | --- |
+//! | top at 300 rad/s, 1 s | 1 ms | 5.5e-5 | 1.7e-3 | 6.4e-6 |
+//! | | 10 ms | no solution | 5.4e-2 | 6.4e-4 |
+//! | chain of 10 rods, 2 s | 1 ms | 1.21e-5 | 1.03e-5 | 1.15e-5 |
+//! | chain of 5 asymmetric links, 1 s | 10 ms | 1.5e-3 | 9.9e-4 | 1.4e-3 |
+//! | whip of 50 rods, 5 s | 2 ms | 1.08e-4 | 9.1e-5 | 1.02e-4 |
+//!
+//! On ordinary chains the rules differ by 10 to 40 %, so RATTLE proper is the default while it can be solved; a fast body is
+//! where they part, and there the splitting is the most accurate.
 
 use nalgebra::{Matrix3, Vector3};
+
+use super::free_body::Split;
 
 /// Newton iterations after which the equation is taken to have no solution nearby.
 const MOST_ITERATIONS: usize = 50;
@@ -28,15 +44,58 @@ pub enum Rotation {
     ///
     /// It has a solution for every `m0`: a body may turn as fast as it likes, its angle then lags behind.
     Cayley,
+    /// The rotational energy in parts that can be integrated exactly (McLachlan 1993; Reich 1994), composed symmetrically:
+    ///
+    /// ```text
+    /// 1/2 m . J^-1 m = |m|^2 / (2 J_b) + sum_k 1/2 (1/J_k - 1/J_b) m_k^2 ,
+    /// F = exp(h m0 / J_b) E_a(1/2) E_c(1) E_a(1/2) ,   E_k(w) = exp(w h (1/J_k - 1/J_b) m_k e_k) .
+    /// ```
+    ///
+    /// The first part commutes with the others, which are rotations about principal axes. `J_b` is the moment that makes
+    /// the product of the two differences smallest: a body with two equal moments turns exactly as a free body does.
+    Splitting,
 }
 
 impl Rotation {
-    /// Solves the rule for `s` by Newton's method, to roundoff.
+    /// Solves the rule for `s`, to roundoff.
     ///
-    /// `inertia` holds the principal moments (kg m^2), `hm` is `h m0` (kg m^2, body axes), `start` a guess. `None` where
-    /// the iteration does not converge: the step is too long for the angular velocity.
+    /// `inertia` holds the principal moments (kg m^2), `hm` is `h m0` (kg m^2, body axes), `start` a guess for the rules
+    /// that are solved by Newton's method. `None` where that does not converge: the step is too long for the angular velocity.
     #[inline]
     pub fn solve(self, inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<f64>) -> Option<Vector3<f64>> {
+        match self {
+            Rotation::MoserVeselov => Implicit::MoserVeselov.solve(inertia, hm, start),
+            Rotation::Cayley => Implicit::Cayley.solve(inertia, hm, start),
+            Rotation::Splitting => Split::of(inertia).cayley_vector(hm),
+        }
+    }
+
+    /// `K` in `d(h m0) = K ds / (1 + |s|^2)` at a solution.
+    pub(super) fn derivative(self, inertia: &Vector3<f64>, s: &Vector3<f64>, hm: &Vector3<f64>) -> Matrix3<f64> {
+        let jacobian = |rule: Implicit| rule.jacobian(inertia, s, &inertia.component_mul(s), hm);
+        match self {
+            Rotation::MoserVeselov => jacobian(Implicit::MoserVeselov),
+            Rotation::Cayley => jacobian(Implicit::Cayley) * (1.0 + s.norm_squared()),
+            Rotation::Splitting => {
+                // d eta = 2 / (1 + |s|^2) (ds + s x ds)
+                let by_turn = Split::of(inertia).derivative(hm).try_inverse().unwrap_or_else(Matrix3::zeros);
+                2.0 * by_turn * (Matrix3::identity() + s.cross_matrix())
+            }
+        }
+    }
+}
+
+/// The rules that are equations for `s`.
+#[derive(Clone, Copy, Debug)]
+enum Implicit {
+    MoserVeselov,
+    Cayley,
+}
+
+impl Implicit {
+    /// Newton's method.
+    #[inline]
+    fn solve(self, inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<f64>) -> Option<Vector3<f64>> {
         let mut s = *start;
         // The error after a Newton update is about the update squared, times the ratio of the moments.
         let ratio = inertia.max() / inertia.min();
@@ -45,12 +104,19 @@ impl Rotation {
             let update = solve(&self.jacobian(inertia, &s, &js, hm), &self.residual(&s, &js, hm))?;
             s -= update;
             if update.norm_squared() * ratio <= 1e-17 * s.norm() {
-                return Some(s);
+                return self.on_branch(&s).then_some(s);
             }
         }
         // Near the limit the last bits keep moving; a residual at roundoff is a solution all the same.
         let js = inertia.component_mul(&s);
-        (self.residual(&s, &js, hm).norm() <= 1e-14 * (hm.norm() + js.norm())).then_some(s)
+        (self.residual(&s, &js, hm).norm() <= 1e-14 * (hm.norm() + js.norm()) && self.on_branch(&s)).then_some(s)
+    }
+
+    /// Moser-Veselov has a second solution that does not shrink with the step: about a principal axis, the turn by
+    /// `pi - theta` beside `theta`. A run that slips over to it goes on with a wrong motion. The two meet at `|s| = 1`.
+    #[inline(always)]
+    fn on_branch(self, s: &Vector3<f64>) -> bool {
+        matches!(self, Implicit::Cayley) || s.norm_squared() < 1.0
     }
 
     /// Left minus right side of the rule, for Moser-Veselov times `1 + |s|^2`. `js` is `J s`.
@@ -58,8 +124,8 @@ impl Rotation {
     fn residual(self, s: &Vector3<f64>, js: &Vector3<f64>, hm: &Vector3<f64>) -> Vector3<f64> {
         let turned = js + s.cross(js);
         match self {
-            Rotation::MoserVeselov => 2.0 * turned - (1.0 + s.norm_squared()) * hm,
-            Rotation::Cayley => 2.0 * (turned + s * s.dot(js)) - hm,
+            Implicit::MoserVeselov => 2.0 * turned - (1.0 + s.norm_squared()) * hm,
+            Implicit::Cayley => 2.0 * (turned + s * s.dot(js)) - hm,
         }
     }
 
@@ -80,17 +146,8 @@ impl Rotation {
             c,
         );
         2.0 * match self {
-            Rotation::MoserVeselov => turned - hm * s.transpose(),
-            Rotation::Cayley => turned + Matrix3::from_diagonal_element(s.dot(js)) + 2.0 * s * js.transpose(),
-        }
-    }
-
-    /// `K` in `d(h m0) = K ds / (1 + |s|^2)` at a solution.
-    pub(super) fn derivative(self, inertia: &Vector3<f64>, s: &Vector3<f64>, hm: &Vector3<f64>) -> Matrix3<f64> {
-        let jacobian = self.jacobian(inertia, s, &inertia.component_mul(s), hm);
-        match self {
-            Rotation::MoserVeselov => jacobian,
-            Rotation::Cayley => jacobian * (1.0 + s.norm_squared()),
+            Implicit::MoserVeselov => turned - hm * s.transpose(),
+            Implicit::Cayley => turned + Matrix3::from_diagonal_element(s.dot(js)) + 2.0 * s * js.transpose(),
         }
     }
 }
@@ -140,6 +197,17 @@ mod tests {
     }
 
     #[test]
+    fn the_turn_by_more_than_a_right_angle_is_not_taken_for_a_solution() {
+        let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.0, 2.3 * 0.9, 0.0));
+        // sin(theta) = 0.9 twice: theta = 1.12 and theta = 2.02.
+        let far = Vector3::new(0.0, (0.5 * (std::f64::consts::PI - 0.9_f64.asin())).tan(), 0.0);
+        let residual = Implicit::MoserVeselov.residual(&far, &inertia.component_mul(&far), &hm);
+        assert!(residual.norm() <= 1e-14, "it is a solution: {residual}");
+        assert_eq!(MoserVeselov.solve(&inertia, &hm, &far), None);
+        assert!(MoserVeselov.solve(&inertia, &hm, &Vector3::zeros()).is_some());
+    }
+
+    #[test]
     fn past_h_omega_one_there_is_no_solution() {
         let inertia = Vector3::new(1.0, 2.3, 2.9);
         assert_eq!(MoserVeselov.solve(&inertia, &Vector3::new(0.0, 2.3 * 1.01, 0.0), &Vector3::zeros()), None);
@@ -148,15 +216,15 @@ mod tests {
     /// `m0` is the derivative of `L_d` with respect to the start: turning `R0` by a small `eta` (body axes) turns `F` to
     /// `exp(-eta) F` and changes `L_d` by `-m0 . eta`.
     #[test]
-    fn both_rules_are_the_legendre_transforms_of_their_lagrangians() {
+    fn both_equations_are_the_legendre_transforms_of_their_lagrangians() {
         let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.11, -0.23, 0.31));
         let jd = Matrix3::from_diagonal(&inertia.map(|j| 0.5 * inertia.sum() - j));
-        for rule in [MoserVeselov, Cayley] {
+        for rule in [Implicit::MoserVeselov, Implicit::Cayley] {
             let s = rule.solve(&inertia, &hm, &Vector3::zeros()).unwrap();
             // h L_d
             let lagrangian = |f: &UnitQuaternion<f64>| match rule {
-                MoserVeselov => ((Matrix3::identity() - f.to_rotation_matrix().into_inner()) * jd).trace(),
-                Cayley => {
+                Implicit::MoserVeselov => ((Matrix3::identity() - f.to_rotation_matrix().into_inner()) * jd).trace(),
+                Implicit::Cayley => {
                     let s = f.imag() / f.w;
                     2.0 * s.dot(&inertia.component_mul(&s))
                 }
@@ -177,7 +245,7 @@ mod tests {
         for scale in [1.0, 10.0, 1e3, 1e6] {
             let hm = inertia.component_mul(&Vector3::new(0.3, -0.5, 0.8)) * scale;
             let s = Cayley.solve(&inertia, &hm, &Vector3::zeros()).unwrap();
-            let residual = Cayley.residual(&s, &inertia.component_mul(&s), &hm);
+            let residual = Implicit::Cayley.residual(&s, &inertia.component_mul(&s), &hm);
             assert!(residual.norm() <= 1e-14 * hm.norm(), "{scale}: {:e}", residual.norm() / hm.norm());
         }
     }
@@ -186,7 +254,7 @@ mod tests {
     fn the_jacobian_is_the_derivative() {
         let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.11, -0.23, 0.31));
         let s = Vector3::new(0.2, 0.3, -0.4);
-        for rule in [MoserVeselov, Cayley] {
+        for rule in [Implicit::MoserVeselov, Implicit::Cayley] {
             let f = |s: &Vector3<f64>| rule.residual(s, &inertia.component_mul(s), &hm);
             let exact = rule.jacobian(&inertia, &s, &inertia.component_mul(&s), &hm);
             for i in 0..3 {

@@ -58,6 +58,16 @@ pub(super) struct Singular {
 }
 
 impl Tree {
+    /// Of no nodes; it takes no memory.
+    pub(super) const EMPTY: Tree = Tree {
+        inertia: Vec::new(),
+        elimination: Vec::new(),
+        first: Vec::new(),
+        rhs: Vec::new(),
+        along: Vec::new(),
+        twist: Vec::new(),
+    };
+
     pub(super) fn new(nodes: &[Node]) -> Tree {
         let zero = Inertia { m: Matrix3::zeros(), h: Matrix3::zeros(), j: Matrix3::zeros() };
         let unused = Elimination::Hinge { n: Vector3::zeros(), u: Spatial::ZERO, d_inverse: 0.0 };
@@ -164,7 +174,7 @@ impl Tree {
                     let n = place.axes.column(2).into_owned();
                     let u = Spatial::new(passed.h * n, passed.j * n);
                     let d = n.dot(&u.angular) + implicit(i);
-                    let d_inverse = reciprocal(d).ok_or(Singular { node: i })?;
+                    let d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
                     passed.subtract_product(&u.scaled(d_inverse), &u);
                     Elimination::Hinge { n, u, d_inverse }
                 }
@@ -172,7 +182,7 @@ impl Tree {
                     let n = place.axes.column(2).into_owned();
                     let u = Spatial::new(passed.m * n, passed.h.tr_mul(&n));
                     let d = n.dot(&u.linear) + implicit(i);
-                    let d_inverse = reciprocal(d).ok_or(Singular { node: i })?;
+                    let d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
                     passed.subtract_product(&u.scaled(d_inverse), &u);
                     Elimination::Slider { n, u, d_inverse }
                 }
@@ -184,6 +194,9 @@ impl Tree {
                         d[(k, k)] += implicit(i);
                     }
                     let d_inverse = inverse_of_symmetric(&d).ok_or(Singular { node: i })?;
+                    if node.light && !(d_inverse.amax() * node.least < 1.0) {
+                        return Err(Singular { node: i });
+                    }
                     for (k, scaled) in combine(&u, &d_inverse).iter().enumerate() {
                         passed.subtract_product(scaled, &u[k]);
                     }
@@ -230,6 +243,35 @@ impl Tree {
     ) {
         self.rhs[1..].fill(Spatial::ZERO);
         self.sweep(nodes, places, bias, along, &mut solution);
+    }
+
+    /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to answer.
+    pub(super) fn load(&mut self, nodes: &[Node], places: &[Place], b: impl Fn(usize) -> Wrench) {
+        for i in 1..nodes.len() {
+            self.rhs[i] = b(i).wrench_from(&-places[i].arm);
+        }
+    }
+
+    /// [`Tree::correct`] with the right-hand sides of [`Tree::load`].
+    pub(super) fn correct_loaded(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        bias: impl Fn(usize) -> Twist,
+        along: impl Fn(usize) -> Vector3<f64>,
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) {
+        self.sweep(nodes, places, bias, along, &mut solution);
+    }
+
+    /// Twist of a node at its joint point in the last solution.
+    pub(super) fn twist(&self, node: usize) -> &Twist {
+        &self.twist[node]
+    }
+
+    /// Articulated mass and moment of a node about its joint point, the mean over all directions.
+    pub(super) fn mean_inertia(&self, node: usize) -> (f64, f64) {
+        (self.inertia[node].m.trace() / 3.0, self.inertia[node].j.trace() / 3.0)
     }
 
     /// The largest entry of `D^-1` of a joint.
@@ -303,9 +345,9 @@ impl Tree {
     }
 }
 
-/// `1 / d` for a positive number.
-fn reciprocal(d: f64) -> Option<f64> {
-    (d > 0.0 && d.is_finite()).then(|| 1.0 / d)
+/// `1 / d` for a number above `least`.
+fn reciprocal(d: f64, least: f64) -> Option<f64> {
+    (d > least && d.is_finite()).then(|| 1.0 / d)
 }
 
 /// Inverse of a positive definite matrix.

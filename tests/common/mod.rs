@@ -3,7 +3,8 @@
 #![allow(dead_code, reason = "each test and bench uses a part")]
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
-use rattlebench::mechanics::System;
+use rattlebench::mechanics::{BodyState, State, System};
+use rattlebench::model::JointKind::{Prismatic, Revolute, Spherical};
 use rattlebench::model::{Inertial, Joint, JointKind, Link, Model, Scene};
 
 /// A rod of 0.3 m and 1 kg along x, its frame at one end.
@@ -49,4 +50,40 @@ pub fn alternating(n: usize) -> Scene {
 
 pub fn compile(scene: &Scene) -> System {
     System::compile(scene).expect("the scene compiles")
+}
+
+/// A spatial chain of five links with revolute, spherical and prismatic joints.
+pub fn five_links() -> System {
+    let mut scene = chain(&[
+        (Revolute, Vector3::y()),
+        (Spherical, Vector3::x()),
+        (Revolute, Vector3::new(0.0, 1.0, 1.0)),
+        (Prismatic, Vector3::new(0.0, 1.0, 0.3)),
+        (Revolute, Vector3::z()),
+    ]);
+    scene.initial[1].position = vec![0.3, -0.2, 0.5];
+    scene.initial[3].velocity = vec![0.2];
+    scene.initial[4].position = vec![0.8];
+    compile(&scene)
+}
+
+/// Largest difference of positions (m) and attitudes (rad).
+pub fn distance(a: &State, b: &State) -> f64 {
+    let of = |(a, b): (&BodyState, &BodyState)| {
+        // The sine of half the angle: its cosine cannot tell small angles from none.
+        let turn = a.attitude.inverse() * b.attitude;
+        (a.position - b.position).norm().max(2.0 * turn.imag().norm())
+    };
+    a.bodies.iter().zip(&b.bodies).map(of).fold(0.0, f64::max)
+}
+
+/// Slope of log y over log x, least squares.
+pub fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x.ln() / n, b + y.ln() / n));
+    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
+        let (dx, dy) = (x.ln() - mx, y.ln() - my);
+        (a + dx * dy, b + dx * dx)
+    });
+    xy / xx
 }

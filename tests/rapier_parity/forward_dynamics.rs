@@ -6,11 +6,11 @@
 //! [ G   0   ] [ lambda ] = [ c ]
 //! ```
 //!
-//! with `M` of masses and world inertias, `f` of gravity, gyroscopic torque and joint damping, and one row of `G` for
+//! with `M` of masses and world inertias, `f` of gravity, gyroscopic torque, springs, dampers and drives at t = 0, and one row of `G` for
 //! each component of a joint's relative twist that is locked.
 
 use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
-use rattlebench::mechanics::{BodyState, State, System};
+use rattlebench::mechanics::{Anchor, BodyState, State, System};
 
 /// What the rows of `G` say about the accelerations.
 #[derive(Clone, Copy, PartialEq)]
@@ -38,13 +38,35 @@ pub fn accelerations(system: &System, state: &State, constraint: Constraint) -> 
     let free = free_rows(system, state);
     let v = velocities(state);
     let mut row = 0;
-    for body in &system.bodies {
+    for (i, body) in system.bodies.iter().enumerate() {
         let count = body.joint.kind.degrees_of_freedom();
         let own = free.rows(row, count);
-        let force = -body.joint.damping * own.transpose() * (own * &v);
+        let mut effort = -body.joint.damping * (own * &v);
+        let theta = system.initial_coordinates[i].position[0];
+        for spring in system.parts.joint_springs.iter().filter(|spring| spring.body == i) {
+            effort[0] += -spring.stiffness * (theta - spring.rest) - spring.damping * (own * &v)[0];
+        }
+        for drive in system.parts.drives.iter().filter(|drive| drive.body == i) {
+            effort[0] += drive.effort + drive.amplitude * drive.phase.sin();
+        }
         let mut bodies = right.rows_mut(0, n);
-        bodies += force;
+        bodies += own.transpose() * effort;
         row += count;
+    }
+    for spring in &system.parts.point_springs {
+        // The row that gives the rate of the distance.
+        let (from, to) = (point_of(&spring.from, state), point_of(&spring.to, state));
+        let (distance, along) = ((to - from).norm(), (to - from).normalize());
+        let mut own = DVector::zeros(n);
+        for (anchor, at, sign) in [(&spring.from, from, -1.0), (&spring.to, to, 1.0)] {
+            if let Some(b) = anchor.body {
+                own.rows_mut(6 * b, 3).copy_from(&(sign * along));
+                own.rows_mut(6 * b + 3, 3).copy_from(&(sign * (at - state.bodies[b].position).cross(&along)));
+            }
+        }
+        let pull = spring.stiffness * (distance - spring.rest_length) + spring.damping * own.dot(&v);
+        let mut bodies = right.rows_mut(0, n);
+        bodies -= pull * own;
     }
     matrix.view_mut((0, n), (n, m)).copy_from(&(-g.transpose()));
     matrix.view_mut((n, 0), (m, n)).copy_from(&g);
@@ -54,6 +76,10 @@ pub fn accelerations(system: &System, state: &State, constraint: Constraint) -> 
         right.rows_mut(n, m).copy_from(&(-rate * v));
     }
     matrix.lu().solve(&right).expect("joints are independent").rows(0, n).into_owned()
+}
+
+fn point_of(anchor: &Anchor, state: &State) -> Vector3<f64> {
+    anchor.body.map_or(anchor.point, |b| state.bodies[b].position + state.bodies[b].attitude * anchor.point)
 }
 
 /// All twists in one vector.

@@ -1,7 +1,8 @@
 //! Scenes that together hold every kind of joint, none of them aligned with anything, and the scenes that are shipped.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, Vector3};
-use rattlebench::mechanics::System;
+use rattlebench::engines::{self, Spec};
+use rattlebench::mechanics::{Anchor, Drive, JointSpring, PointSpring, System};
 use rattlebench::model::scene::JointInitial;
 use rattlebench::model::{Base, Inertial, Joint, JointKind, Link, Model, Scene};
 
@@ -27,14 +28,16 @@ pub fn all() -> Vec<System> {
     ]
 }
 
-/// The scenes under `models/`, in the order of their names.
+/// The scenes under `models/` that rapier has means for, in the order of their names.
 pub fn shipped() -> Vec<System> {
     let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
     let folders = std::fs::read_dir(models).expect("models are shipped").map(|entry| entry.expect("readable").path());
     let mut scenes: Vec<_> = folders.map(|folder| folder.join("scene.json")).filter(|path| path.is_file()).collect();
     scenes.sort();
     assert!(!scenes.is_empty());
-    scenes.iter().map(|path| common::compile(&Scene::load(path).expect("a shipped scene can be read"))).collect()
+    let system = |path| common::compile(&Scene::load(path).expect("a shipped scene can be read"));
+    let can = |system: &System| engines::build(&Spec::parse("rapier").expect("a spec"), system, 1e-3).is_ok();
+    scenes.iter().map(system).filter(can).collect()
 }
 
 /// Those and these.
@@ -65,6 +68,49 @@ pub fn damped(system: &System, damping: f64) -> System {
         joint.damping = damping;
     }
     damped
+}
+
+/// The same system with a damped spring and two drives in every joint of one coordinate.
+pub fn sprung_and_driven(system: &System) -> System {
+    let mut sprung = system.clone();
+    for body in 0..system.bodies.len() {
+        if system.bodies[body].joint.kind.degrees_of_freedom() != 1 {
+            continue;
+        }
+        let rest = system.initial_coordinates[body].position[0] + 0.8;
+        sprung.parts.joint_springs.push(JointSpring { body, stiffness: 0.4, damping: 0.01, rest });
+        let drive = |effort, amplitude| Drive { body, effort, amplitude, angular_frequency: 9.0, phase: 0.6 };
+        sprung.parts.drives.extend([drive(0.1, 0.0), drive(0.0, -0.3)]);
+    }
+    sprung
+}
+
+/// The same system with joint springs of at most 20 N m/rad or N/m, which the steps of these tests resolve.
+pub fn softened(system: &System) -> System {
+    let mut soft = system.clone();
+    for spring in &mut soft.parts.joint_springs {
+        spring.stiffness = spring.stiffness.min(20.0);
+    }
+    soft
+}
+
+/// The same system with a damped spring from the ground to every body, and one between the first and the last.
+pub fn hung_on_springs(system: &System) -> System {
+    let mut hung = system.clone();
+    let anchor = |body: Option<usize>, i: usize| Anchor { body, point: vector(i, 0.3, 0.4) };
+    let last = system.bodies.len() - 1;
+    let pairs = (0..=last).map(|i| (None, Some(i))).chain((last > 0).then_some((Some(0), Some(last))));
+    hung.parts.point_springs = pairs
+        .enumerate()
+        .map(|(i, (from, to))| PointSpring {
+            from: anchor(from, i),
+            to: anchor(to, i + 3),
+            stiffness: 3.0,
+            damping: 0.05,
+            rest_length: 0.1,
+        })
+        .collect();
+    hung
 }
 
 fn moving(name: &str, floating: bool, tree: &Tree) -> System {

@@ -3,13 +3,12 @@
 
 use rattlebench::discrete::solve::central_difference;
 use rattlebench::discrete::{Matrix, Vector};
+use rattlebench::measure::structure::{PhaseChart, body_momenta, twists};
 use rattlebench::mechanics::{State, System};
-
-use crate::chart::{Chart, body_momenta, twists};
 
 /// One step of size `h`.
 pub fn step(system: &System, state: &State, h: f64) -> State {
-    let chart = Chart::about(system, state);
+    let chart = PhaseChart::about(system, state);
     let theta = chart.coordinates(state);
     let jacobian = chart.jacobian(&theta);
     let rate = jacobian.svd(true, true).solve(&twists(state), 1e-12).expect("both sides of the decomposition");
@@ -27,7 +26,7 @@ pub fn step(system: &System, state: &State, h: f64) -> State {
 
 /// `thetaddot` from d'Alembert's principle `J^T (d(M v)/dt - f) = 0` with `v = J thetadot`: the momenta of the bodies at
 /// constant rates are differenced along the motion, and `J^T M J thetaddot` makes up for what they lack.
-fn acceleration(chart: &Chart, system: &System, theta: &Vector, rate: &Vector) -> Vector {
+fn acceleration(chart: &PhaseChart, system: &System, theta: &Vector, rate: &Vector) -> Vector {
     let momenta = |t: f64| {
         let state = chart.state(&(theta + rate * t), rate);
         body_momenta(system, &state, &twists(&state))

@@ -4,7 +4,7 @@ use crate::discrete::stencil::{Node, Part, Stencil, StencilLagrangian};
 use crate::discrete::system::SharedSystem;
 
 /// ```text
-/// L_d^alpha(q0, q1, h) = h L((1 - alpha) q0 + alpha q1, (q1 - q0)/h)          (MW 1.3.1, example 2.3.2)
+/// L_d^alpha(q0, q1, h) = h L((1 - alpha) q0 + alpha q1, (q1 - q0)/h)                   (MW example 2.3.2)
 /// ```
 ///
 /// `alpha` = 0 and 1 are the two symplectic Euler methods, 1/2 is the midpoint rule. Order 1, and 2 for 1/2.

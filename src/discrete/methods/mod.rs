@@ -70,10 +70,10 @@ const fn with_forces_of_order(forced_order: usize, method: Method) -> Method {
 
 /// All methods with a finite order. The exact discrete Lagrangian is [`Exact`].
 pub const METHODS: &[Method] = &[
-    method("symplectic Euler B (alpha = 0)", "1.3.1", 1, false, |s| some(alpha(s, 0.0))),
-    method("symplectic Euler A (alpha = 1)", "1.3.1", 1, false, |s| some(alpha(s, 1.0))),
-    method("alpha = 1/4", "1.3.1", 1, false, |s| some(alpha(s, 0.25))),
-    method("midpoint (alpha = 1/2)", "1.3.1", 2, true, |s| some(alpha(s, 0.5))),
+    method("symplectic Euler B (alpha = 0)", "2.3.2", 1, false, |s| some(alpha(s, 0.0))),
+    method("symplectic Euler A (alpha = 1)", "2.3.2", 1, false, |s| some(alpha(s, 1.0))),
+    method("alpha = 1/4", "2.3.2", 1, false, |s| some(alpha(s, 0.25))),
+    method("midpoint (alpha = 1/2)", "2.3.2", 2, true, |s| some(alpha(s, 0.5))),
     method("Stoermer-Verlet", "2.6.1", 2, true, |s| some(symmetrised(s, 0.0))),
     method("symmetrised alpha = 1/4", "2.3.3", 2, true, |s| some(symmetrised(s, 0.25))),
     method("adjoint of alpha = 1/4", "2.4.1", 1, false, |s| some(Adjoint(Arc::new(alpha(s, 0.25))))),

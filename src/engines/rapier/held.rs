@@ -36,13 +36,9 @@ impl Held {
             inertia: held.inertia,
             ..ours.clone()
         });
-        let bodies: Vec<Body> = bodies.collect();
-        System {
-            energy_scale: energy::scale(&bodies, &self.gravity, &self.state),
-            bodies,
-            gravity: self.gravity,
-            initial: self.state.clone(),
-            ..system.clone()
-        }
+        let mut held =
+            System { bodies: bodies.collect(), gravity: self.gravity, initial: self.state.clone(), ..system.clone() };
+        held.energy_scale = energy::scale(&held);
+        held
     }
 }

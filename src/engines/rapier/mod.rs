@@ -12,6 +12,13 @@
 //! multibody joints, and with impulse joints a force based motor on each free axis with target velocity zero, stiffness
 //! zero and unlimited force. The impulse of such a motor converges to `-c h thetadot` with `iterations`.
 //!
+//! A spring in a joint is, with its damper and that of the joint, one motor with a target position (impulse joints), or
+//! the spring that each coordinate of a multibody may have; both are implicit (backward Euler), and so they take energy
+//! out. The motor knows its angle modulo a turn: a torsion spring that winds up further than half a turn from its rest
+//! pulls the wrong way. A spring between points is rapier's `SpringJoint`, which does not act on the links of a multibody.
+//! A drive is a torque on the two bodies of a hinge, or a force on the line of a slider, as it is at the middle of the
+//! step, along the axis at its beginning; rapier holds it over its substeps.
+//!
 //! # What is always set, and differs from rapier's defaults
 //!
 //! Bodies never sleep and may turn by any angle in a step; the cap on linear speed is off; there are no substeps of
@@ -38,7 +45,7 @@ mod settings;
 mod single;
 
 use super::{Engine, Entry, Spec, Unsupported};
-use crate::mechanics::System;
+use crate::mechanics::{Part, System};
 
 pub use held::{Held, HeldBody};
 
@@ -49,7 +56,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "rapier",
     summary: "rapier 0.36: impulse or multibody joints, f32 or f64; bare, what a rapier user gets by default",
     keys: KEYS,
-    parts: &[],
+    parts: &[Part::JointSprings, Part::PointSprings, Part::Drives],
     build,
 };
 

@@ -9,6 +9,7 @@ mod energy_drift;
 mod error_vs_run_time;
 mod legend;
 mod panel;
+mod structure;
 mod style;
 pub mod theory;
 mod time_panels;
@@ -30,10 +31,11 @@ pub struct Chart {
 }
 
 /// All charts, in the order of the page. A new one is one file and one line here.
-pub const CHARTS: [Chart; 5] = [
+pub const CHARTS: [Chart; 6] = [
     work_precision::CHART,
     convergence::CHART,
     energy_drift::CHART,
     constraint_violation::CHART,
     error_vs_run_time::CHART,
+    structure::CHART,
 ];

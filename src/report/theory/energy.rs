@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::energy_of_particle};
 use super::super::page::Picture;
@@ -31,17 +32,17 @@ fn computed(figure: fn() -> Result<EnergyFigure, SolveError>, done: &AtomicU64) 
 }
 
 /// The curves of a figure: the truth, the variational method, RK4.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EnergyRecord {
     pub curves: Vec<CurveRecord>,
 }
 
 /// Energy over time.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurveRecord {
-    pub method: &'static str,
+    pub method: String,
     /// Absent for the truth.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
     pub time_s: Vec<f64>,
     #[serde(rename = "energy_J")]
@@ -51,7 +52,7 @@ pub struct CurveRecord {
 impl From<EnergyFigure> for EnergyRecord {
     fn from(figure: EnergyFigure) -> EnergyRecord {
         let curve = |s: crate::discrete::figures::EnergySeries| CurveRecord {
-            method: s.name,
+            method: s.name.to_string(),
             step_s: s.step,
             time_s: s.time,
             energy_j: s.energy,
@@ -61,6 +62,11 @@ impl From<EnergyFigure> for EnergyRecord {
 }
 
 impl EnergyRecord {
+    /// Whether all three curves are there, with as many energies as times and at least one.
+    pub(super) fn is_whole(&self) -> bool {
+        self.curves.len() == 3 && self.curves.iter().all(|c| !c.time_s.is_empty() && c.time_s.len() == c.energy_j.len())
+    }
+
     /// Mean of a quarter of a curve (0 to 3) less that of the truth, over the initial energy.
     fn offset(&self, curve: &CurveRecord, quarter: usize) -> f64 {
         let truth = &self.curves[0].energy_j;

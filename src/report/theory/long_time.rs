@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::long_time};
 use super::super::number::{short, written};
@@ -20,9 +21,9 @@ pub(super) const TOPIC: Topic = Topic {
 };
 
 /// What one method conserves.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LongTimeRecord {
-    pub method: &'static str,
+    pub method: String,
     pub variational: bool,
     pub step_s: f64,
     pub steps: usize,
@@ -41,7 +42,7 @@ pub struct LongTimeRecord {
 impl LongTimeRecord {
     fn new(row: &LongTimeRow, variational: bool) -> LongTimeRecord {
         LongTimeRecord {
-            method: row.method,
+            method: row.method.to_string(),
             variational,
             step_s: row.step,
             steps: row.steps,
@@ -96,7 +97,7 @@ pub(super) fn section(rows: &[LongTimeRecord]) -> Result<Section, ChartError> {
             .iter()
             .map(|r| {
                 let figures = [r.energy_error_j, r.energy_drift_j, r.momentum_error, r.symplecticity_defect];
-                std::iter::once(r.method.to_string()).chain(figures.map(short)).collect()
+                std::iter::once(r.method.clone()).chain(figures.map(short)).collect()
             })
             .collect(),
     };

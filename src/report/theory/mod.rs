@@ -12,14 +12,15 @@ mod table;
 
 use std::sync::atomic::AtomicU64;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::charts::ChartError;
 use super::page::Picture;
 use crate::discrete::solve::SolveError;
 
 pub use energy::{CurveRecord, EnergyRecord};
-pub use files::{FILE_SCHEMA, write};
+pub use files::{FILE_SCHEMA, TheoryError, TheoryFile, draw, draw_folder, write};
 pub use long_time::LongTimeRecord;
 pub use orders::{ErrorRecord, OrderRecord, OrdersRecord};
 pub use small_steps::{SmallStepRecord, SmallStepsRecord};
@@ -39,7 +40,7 @@ pub const TOPICS: [Topic; 5] =
     [orders::TOPIC, energy::FIGURE_1, energy::FIGURE_2, long_time::TOPIC, small_steps::TOPIC];
 
 /// What a topic computes.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Data {
     Orders(Vec<OrdersRecord>),
@@ -62,6 +63,18 @@ pub struct Section {
 }
 
 impl Data {
+    /// Whether this is what a topic computes; data read from a file may be another's.
+    fn belongs_to(&self, topic: &str) -> bool {
+        match self {
+            Data::Orders(_) => topic == orders::TOPIC.name,
+            Data::Energy(record) => {
+                [energy::FIGURE_1.name, energy::FIGURE_2.name].contains(&topic) && record.is_whole()
+            }
+            Data::LongTime(_) => topic == long_time::TOPIC.name,
+            Data::SmallSteps(_) => topic == small_steps::TOPIC.name,
+        }
+    }
+
     /// Tables, charts and words of a topic.
     ///
     /// # Errors

@@ -3,7 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::super::charts::{
     ChartError,
@@ -24,38 +25,38 @@ pub(super) const TOPIC: Topic = Topic {
 };
 
 /// All methods on one problem.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OrdersRecord {
-    pub problem: &'static str,
+    pub problem: String,
     pub methods: Vec<OrderRecord>,
 }
 
 /// One method on one problem.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OrderRecord {
-    pub method: &'static str,
+    pub method: String,
     /// Section or equation of Marsden and West (2001).
-    pub equation: &'static str,
+    pub equation: String,
     pub theory: Quantities,
     pub measured: Quantities,
     pub errors: Vec<ErrorRecord>,
 }
 
 /// A figure for each thing that belongs to a discrete Lagrangian; absent where it could not be had.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quantities {
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lagrangian: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legendre_minus: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legendre_plus: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<f64>,
 }
 
 /// Errors of one step, root mean square over steps along the motion.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorRecord {
     pub step_s: f64,
     pub lagrangian: f64,
@@ -92,8 +93,8 @@ impl From<OrderRow> for OrderRecord {
             map: s.map,
         };
         OrderRecord {
-            method: row.method,
-            equation: row.equation,
+            method: row.method.to_string(),
+            equation: row.equation.to_string(),
             theory: row.theory.into(),
             measured: row.measured.into(),
             errors: row.samples.iter().map(error).collect(),
@@ -129,7 +130,7 @@ fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
     let mut rows = rows.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     rows.sort_by_key(|(task, _)| *task);
     let mut records: Vec<OrdersRecord> =
-        problems.iter().map(|p| OrdersRecord { problem: p.name, methods: Vec::new() }).collect();
+        problems.iter().map(|p| OrdersRecord { problem: p.name.to_string(), methods: Vec::new() }).collect();
     for (task, row) in rows {
         records[task / METHODS.len()].methods.extend(row.map(OrderRecord::from));
     }
@@ -178,7 +179,7 @@ fn order_columns(problem: &OrdersRecord) -> Table {
     let row = |r: &OrderRecord| {
         let figures = r.measured.list().into_iter().zip(r.theory.list());
         let cells = figures.map(|(m, t)| format!("{} ({})", cell(m, two_decimals), cell(t, |x| plain(x, 1))));
-        [r.method.to_string(), r.equation.to_string()].into_iter().chain(cells).collect()
+        [r.method.clone(), r.equation.clone()].into_iter().chain(cells).collect()
     };
     Table {
         caption: format!("Orders on the {}: measured (theory).", problem.problem),

@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::small_steps};
 use super::super::number::{short, written};
@@ -23,18 +24,20 @@ pub(super) const TOPIC: Topic = Topic {
 const HALF_DECADES: std::ops::RangeInclusive<i32> = 1..=24;
 
 /// One problem.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SmallStepsRecord {
-    pub problem: &'static str,
+    pub problem: String,
     pub steps: Vec<SmallStepRecord>,
 }
 
 /// Errors of the acceleration from one step of the midpoint rule, m/s^2 or rad/s^2.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SmallStepRecord {
     pub step_s: f64,
     /// From the equations in `(q, v)` divided by `h`.
     pub blown_up: f64,
+    /// The same with osculating parabolas for the straight curves.
+    pub curved: f64,
     /// From `(q2 - 2 q1 + q0)/h^2`.
     pub position_form: f64,
 }
@@ -46,9 +49,14 @@ fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
         let rows = tangent::small_steps(&problem, &steps)?;
         let steps = rows
             .iter()
-            .map(|r| SmallStepRecord { step_s: r.h, blown_up: r.blown_up, position_form: r.position_form })
+            .map(|r| SmallStepRecord {
+                step_s: r.h,
+                blown_up: r.blown_up,
+                curved: r.curved,
+                position_form: r.position_form,
+            })
             .collect();
-        records.push(SmallStepsRecord { problem: problem.name, steps });
+        records.push(SmallStepsRecord { problem: problem.name.to_string(), steps });
         done.fetch_add(1, Ordering::Relaxed);
     }
     Ok(Data::SmallSteps(records))
@@ -57,22 +65,23 @@ fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
 pub(super) fn section(problems: &[SmallStepsRecord]) -> Result<Section, ChartError> {
     // From here on the position form has nothing but roundoff left.
     let small = || problems.iter().flat_map(|p| &p.steps).filter(|s| s.step_s < 1e-8);
-    let worst = small().map(|s| s.blown_up).fold(0.0, f64::max);
+    let worst = small().flat_map(|s| [s.blown_up, s.curved]).fold(0.0, f64::max);
     let position = small().map(|s| s.position_form).fold(f64::INFINITY, f64::min);
     let finding = format!(
-        "From steps below 10⁻⁸ s down to 10⁻¹² s the acceleration from a step in (q, v) errs by at most {}, that of the \
-         position form by at least {}.",
+        "From steps below 10⁻⁸ s down to 10⁻¹² s the acceleration from a step in (q, v), along straight lines or parabolas, \
+         errs by at most {}, that of the position form by at least {}.",
         written(worst),
         written(position)
     );
-    let explanation = "One step of the midpoint rule from the same initial data, solved in two ways. In (q, v) the \
-                       discrete Euler-Lagrange equations are divided by h before they are put into figures, are regular at \
-                       h = 0 (the blown-up principle of Patrick and Cuell), and nothing cancels. The position form has \
-                       q₂ − 2q₁ + q₀, whose roundoff is divided by h². Both are compared with the acceleration in the \
-                       middle of the step."
+    let explanation = "One step from the same initial data. In (q, v) the discrete Euler-Lagrange equations are divided by h \
+                       before they are put into figures, are regular at h = 0 (the blown-up principle of Patrick and Cuell), \
+                       and nothing cancels: for the midpoint rule, whose curves are straight, and for parabolas that \
+                       osculate the motion, with two Gauss points. The position form of the midpoint rule has \
+                       q₂ − 2q₁ + q₀, whose roundoff is divided by h². All are compared with the acceleration in the middle \
+                       of the step, which any of them meets to O(h²)."
         .to_string();
-    let caption = "Error of the acceleration from one step of the midpoint rule against the step size, in (q, v) and in \
-                   positions";
+    let caption = "Error of the acceleration from one step against the step size, in (q, v) along straight lines and \
+                   parabolas, and in positions";
     let picture = Picture { caption, png: small_steps::draw(problems)? };
     Ok(Section {
         title: "Small steps: the blown-up principle of Patrick and Cuell",
@@ -87,7 +96,7 @@ fn table(problem: &SmallStepsRecord) -> Table {
     let whole_decades = problem.steps.iter().skip(1).step_by(2);
     Table {
         caption: format!("Error of the acceleration on the {}.", problem.problem),
-        headings: vec!["step, s", "(q, v) form", "position form"],
-        rows: whole_decades.map(|s| vec![short(s.step_s), short(s.blown_up), short(s.position_form)]).collect(),
+        headings: vec!["step, s", "(q, v), straight", "(q, v), parabolas", "positions"],
+        rows: whole_decades.map(|s| [s.step_s, s.blown_up, s.curved, s.position_form].map(short).to_vec()).collect(),
     }
 }

@@ -1,15 +1,17 @@
 //! Builds rapier's bodies and joints from a system and puts them at its initial state.
 
+use std::f64::consts::PI;
+
 use super::super::rapier::math::Real;
 use super::super::rapier::prelude::{
     GenericJoint, IntegrationParameters, JointAxesMask, JointAxis, MassProperties, MotorModel, MultibodyIndex,
-    PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+    PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients, SpringJointBuilder,
 };
 use super::super::{PRECISION, narrow};
 use super::convert::{pose, vector};
 use super::{Seat, Settings};
 use crate::engines::Unsupported;
-use crate::mechanics::{Body, Joint, JointKind, System};
+use crate::mechanics::{Body, Joint, JointKind, JointSpring, System};
 
 /// Rapier takes what is below it for zero when it inverts (`INV_EPSILON` of its `utils`).
 const SMALLEST_INVERTED: f64 = 1e-20;
@@ -26,6 +28,7 @@ pub(super) fn build(system: &System, settings: &Settings, step: f64) -> Result<(
     physics.physics_pipeline.counters.disable();
     let handles = insert_bodies(system, settings, &mut physics);
     insert_joints(system, settings, &handles, &mut physics)?;
+    insert_point_springs(system, &handles, &mut physics);
     let link_of = |body| physics.multibody_joints.rigid_body_link(body).map(|link| (link.multibody, link.id));
     let seats: Vec<Seat> = (system.bodies.iter().zip(&handles))
         .map(|(body, &handle)| Seat { name: body.name.clone(), body: handle, link: link_of(handle) })
@@ -43,7 +46,7 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
     if !vector(&system.gravity).is_finite() {
         return Err(format!("a gravity of {:e} m/s^2: it overflows in {PRECISION}", system.gravity.norm()));
     }
-    for body in &system.bodies {
+    for (i, body) in system.bodies.iter().enumerate() {
         let values =
             [("mass", body.mass), ("moment of inertia", body.inertia.min()), ("moment of inertia", body.inertia.max())];
         for (what, value) in values {
@@ -55,14 +58,39 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
                 ));
             }
         }
-        let Joint { name, damping, .. } = &body.joint;
-        let per_substep = narrow(*damping) * substep;
-        if !per_substep.is_finite() {
-            return Err(format!("the damping {damping:e} of joint '{name}': it overflows in {PRECISION}"));
+        let name = &body.joint.name;
+        let spring = system.joint_spring(i);
+        let whose = format!("of joint '{name}'");
+        check_spring(spring.stiffness, spring.damping, substep, !settings.multibody, &whose)?;
+        let wound = system.initial_coordinates[i].position[0] - spring.rest;
+        let turns = spring.stiffness > 0.0 && body.joint.kind == JointKind::Revolute && wound.abs() > PI;
+        if turns && !settings.multibody {
+            return Err(format!("a spring {whose} wound up by {wound:.3} rad: a motor knows angles modulo a turn"));
         }
-        if *damping > 0.0 && !settings.multibody && per_substep <= narrow(SMALLEST_INVERTED) {
-            return Err(format!("the damping {damping:e} of joint '{name}': so weak a motor acts as a lock"));
+    }
+    for (i, spring) in system.parts.point_springs.iter().enumerate() {
+        if settings.multibody {
+            return Err("springs between points with joints=multibody: a spring joint does not act on its links".into());
         }
+        check_spring(spring.stiffness, spring.damping, substep, true, &format!("of point spring {i}"))?;
+    }
+    Ok(())
+}
+
+/// Whether a spring's numbers stay numbers in a substep. A motor is solved with the compliance `1 / (h^2 k + h c)`, which
+/// rapier takes for zero, a lock, where the denominator is too small.
+fn check_spring(stiffness: f64, damping: f64, substep: Real, motor: bool, whose: &str) -> Result<(), String> {
+    let numbers = || match (stiffness > 0.0, damping > 0.0) {
+        (true, true) => format!("the stiffness {stiffness:e} and damping {damping:e} {whose}"),
+        (true, false) => format!("the stiffness {stiffness:e} {whose}"),
+        _ => format!("the damping {damping:e} {whose}"),
+    };
+    let pull = substep * substep * narrow(stiffness) + substep * narrow(damping);
+    if !(pull.is_finite() && narrow(stiffness).is_finite()) {
+        return Err(format!("{}: it overflows in {PRECISION}", numbers()));
+    }
+    if motor && (stiffness > 0.0 || damping > 0.0) && pull <= narrow(SMALLEST_INVERTED) {
+        return Err(format!("{}: so weak a motor acts as a lock", numbers()));
     }
     Ok(())
 }
@@ -107,7 +135,8 @@ fn insert_joints(
     handles: &[RigidBodyHandle],
     physics: &mut PhysicsWorld,
 ) -> Result<(), Unsupported> {
-    for (Body { joint, .. }, &child) in system.bodies.iter().zip(handles) {
+    for (i, (Body { joint, .. }, &child)) in system.bodies.iter().zip(handles).enumerate() {
+        let data = generic_joint(joint, &system.joint_spring(i), settings);
         if joint.kind == JointKind::Floating && joint.damping == 0.0 {
             continue;
         }
@@ -117,30 +146,45 @@ fn insert_joints(
             None => physics.insert_body(RigidBodyBuilder::fixed()),
         };
         if settings.multibody {
-            let inserted = physics.multibody_joints.insert(parent, child, generic_joint(joint, settings), true);
+            let inserted = physics.multibody_joints.insert(parent, child, data, true);
             inserted.ok_or_else(|| Unsupported {
                 engine: settings.spec.clone(),
                 what: format!("joint '{}': rapier's multibody does not accept it as part of a tree", joint.name),
             })?;
         } else {
-            physics.impulse_joints.insert(parent, child, generic_joint(joint, settings), true);
+            physics.impulse_joints.insert(parent, child, data, true);
         }
     }
     Ok(())
 }
 
-/// The joint as rapier sees it: our joint frames, the components that are not free locked, a damper on each that is.
-fn generic_joint(joint: &Joint, settings: &Settings) -> GenericJoint {
+fn insert_point_springs(system: &System, handles: &[RigidBodyHandle], physics: &mut PhysicsWorld) {
+    for spring in &system.parts.point_springs {
+        let [from, to] = [&spring.from, &spring.to]
+            .map(|anchor| anchor.body.map_or_else(|| physics.insert_body(RigidBodyBuilder::fixed()), |b| handles[b]));
+        let joint =
+            SpringJointBuilder::new(narrow(spring.rest_length), narrow(spring.stiffness), narrow(spring.damping))
+                .spring_model(MotorModel::ForceBased)
+                .local_anchor1(vector(&spring.from.point))
+                .local_anchor2(vector(&spring.to.point));
+        physics.impulse_joints.insert(from, to, joint, true);
+    }
+}
+
+/// The joint as rapier sees it: our joint frames, the components that are not free locked, a motor that is spring and
+/// damper on each that is.
+fn generic_joint(joint: &Joint, spring: &JointSpring, settings: &Settings) -> GenericJoint {
     let free = joint.kind.free();
     let locked = (0..6).filter(|&i| !free[i]).fold(JointAxesMask::empty(), |mask, i| mask | AXES[i].into());
     let mut data = GenericJoint::new(locked);
     data.local_frame1 = pose(&joint.in_parent);
     data.local_frame2 = pose(&joint.in_child);
     data.softness = SpringCoefficients::new(narrow(settings.softness), narrow(settings.damping_ratio));
-    if joint.damping > 0.0 && !settings.multibody {
+    if (spring.stiffness > 0.0 || spring.damping > 0.0) && !settings.multibody {
+        let (rest, stiffness, damping) = (narrow(spring.rest), narrow(spring.stiffness), narrow(spring.damping));
         for axis in (0..6).filter(|&i| free[i]).map(|i| AXES[i]) {
             data.set_motor_model(axis, MotorModel::ForceBased);
-            data.set_motor_velocity(axis, 0.0, narrow(joint.damping));
+            data.set_motor_position(axis, rest, stiffness, damping);
             data.set_motor_max_force(axis, Real::INFINITY);
         }
     }
@@ -165,8 +209,7 @@ fn place_multibodies(system: &System, seats: &[Seat], physics: &mut PhysicsWorld
         let mut dampings = positions.clone();
         for (i, seat) in seats.iter().enumerate() {
             let Some((_, id)) = seat.link.filter(|(of, _)| *of == index) else { continue };
-            let Some(link) = multibody.link(id) else { continue };
-            let joint = &system.bodies[i].joint;
+            let Some(link) = multibody.link_mut(id) else { continue };
             let (start, count) = (link.assembly_id(), link.joint().ndofs());
             if id == 0 {
                 // A free root: world velocities of its centre of mass; its pose has been read above.
@@ -177,11 +220,16 @@ fn place_multibodies(system: &System, seats: &[Seat], physics: &mut PhysicsWorld
                 }
                 continue;
             }
+            let spring = system.joint_spring(i);
+            let free = system.bodies[i].joint.kind.free();
+            if let Some(axis) = (0..6).find(|&axis| free[axis]).filter(|_| spring.stiffness > 0.0) {
+                link.joint.set_spring(axis, narrow(spring.stiffness), narrow(spring.rest));
+            }
             let theta = &system.initial_coordinates[i];
             for k in 0..count {
                 positions[start + k] = narrow(theta.position[k]);
                 velocities[start + k] = narrow(theta.velocity[k]);
-                dampings[start + k] = narrow(joint.damping);
+                dampings[start + k] = narrow(spring.damping);
             }
         }
         multibody.damping_mut().copy_from_slice(&dampings);

@@ -2,6 +2,7 @@
 
 mod build;
 mod convert;
+mod drive;
 
 use super::super::Settings;
 use super::super::held::{Held, HeldBody};
@@ -18,6 +19,7 @@ pub(in super::super) struct World {
     physics: PhysicsWorld,
     /// In the order of the system's bodies.
     bodies: Vec<Seat>,
+    driven: Vec<drive::DrivenJoint>,
     /// The last state that was finite.
     present: Vec<Motion>,
     /// Where the next state is read into; swapped with `present` where it is finite.
@@ -67,7 +69,8 @@ impl World {
         }
         let next = present.clone();
         let (substeps, step_size) = (settings.substeps, step);
-        Ok(World { physics, bodies, present, next, step_size, substeps, steps: 0, failure: None })
+        let driven = drive::driven_joints(system, &bodies);
+        Ok(World { physics, bodies, driven, present, next, step_size, substeps, steps: 0, failure: None })
     }
 
     /// What rapier's own bodies say.
@@ -120,6 +123,8 @@ impl Engine for World {
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
         }
+        let middle = (self.steps as f64 + 0.5) * self.step_size;
+        drive::apply(&self.driven, middle, &mut self.physics);
         self.physics.step();
         for (seat, motion) in self.bodies.iter().zip(&mut self.next) {
             *motion = seat.motion(&self.physics);

@@ -42,7 +42,7 @@ pub fn draw(problem: &OrdersRecord) -> Result<Vec<u8>, ChartError> {
         .iter()
         .filter_map(|(name, look)| Some((problem.methods.iter().find(|r| r.method == *name)?, *look)))
         .collect();
-    let looks: Vec<(&str, Look)> = shown.iter().map(|(r, look)| (r.method, *look)).collect();
+    let looks: Vec<(&str, Look)> = shown.iter().map(|(r, look)| (r.method.as_str(), *look)).collect();
     let errors = || shown.iter().flat_map(|(r, _)| &r.errors);
     let x = Axis::decades(errors().map(|e| e.step_s), -4, 0).unwrap_or(Axis::Log { from: -3, to: 0 });
     let values = errors().flat_map(|e| [e.map, e.legendre_plus]).filter(|e| *e > FLOOR);

@@ -24,7 +24,7 @@ pub fn draw(record: &EnergyRecord, title: &str) -> Result<Vec<u8>, ChartError> {
     let padding = PADDING * (high - low);
     let y = Axis::Linear { from: low - padding, to: high + padding };
     let end = record.curves.iter().flat_map(|c| &c.time_s).copied().fold(0.0, f64::max);
-    let looks: Vec<(&str, Look)> = record.curves.iter().map(|c| c.method).zip(LOOKS).collect();
+    let looks: Vec<(&str, Look)> = record.curves.iter().map(|c| c.method.as_str()).zip(LOOKS).collect();
     let step = record.curves.iter().find_map(|c| c.step_s).unwrap_or_default();
     let subtitle = format!("Both methods at a step of {} s; one step in 16 is shown", plain(step, 3));
     canvas::render(|area| {

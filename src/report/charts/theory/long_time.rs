@@ -69,7 +69,7 @@ pub fn draw(rows: &[LongTimeRecord]) -> Result<Vec<u8>, ChartError> {
                 area.draw(&Rectangle::new(corners, VERMILLION.mix(0.14).filled()))?;
             }
             let ink = style::font(style::NOTE, INK).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(row.method, (at(24), middle), ink))?;
+            area.draw(&Text::new(row.method.clone(), (at(24), middle), ink))?;
             // Every other quantity stands a little lower: where two figures agree both are seen.
             for (i, quantity) in QUANTITIES.iter().enumerate() {
                 let place = (column(x, (quantity.value)(row)), middle + if i % 2 == 0 { -at(4) } else { at(4) });

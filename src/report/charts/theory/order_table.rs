@@ -30,7 +30,7 @@ pub fn draw(problems: &[OrdersRecord]) -> Result<Vec<u8>, ChartError> {
     let names: Vec<&str> = problems
         .iter()
         .max_by_key(|p| p.methods.len())
-        .map_or(vec![], |p| p.methods.iter().map(|r| r.method).collect());
+        .map_or(vec![], |p| p.methods.iter().map(|r| r.method.as_str()).collect());
     let subtitle = "Order r: an error of O(h^(r+1)) in one step. Deeper shade, higher order";
     let note =
         format!("Orange where further than {TOLERANCE} from theory. Empty: the method needs a constant mass matrix.");
@@ -39,7 +39,7 @@ pub fn draw(problems: &[OrdersRecord]) -> Result<Vec<u8>, ChartError> {
         for (i, problem) in problems.iter().enumerate() {
             let left = LEFT + NAMES + i as u32 * (4 * CELL + GAP);
             let centre = (at(left + 2 * CELL), at(ABOVE - 52));
-            area.draw(&Text::new(problem.problem, centre, centred(style::bold(style::LABEL, INK))))?;
+            area.draw(&Text::new(problem.problem.clone(), centre, centred(style::bold(style::LABEL, INK))))?;
             for (j, column) in COLUMNS.iter().enumerate() {
                 let centre = (at(left + j as u32 * CELL + CELL / 2), at(ABOVE - 20));
                 area.draw(&Text::new(*column, centre, centred(style::font(style::TICK, GREY))))?;

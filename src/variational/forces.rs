@@ -1,0 +1,126 @@
+//! Springs, dampers and drives in the coordinates of joints.
+//!
+//! With the change `d = theta1 - theta0` of a joint's coordinate over a step and `Delta0 = theta0 - rest`, the discrete
+//! Lagrangian and the discrete force (Marsden and West 2001, sections 3.2 and 4.1) are
+//!
+//! ```text
+//! L_d:  -h V(theta_m, t_m) ,   V = k/2 (theta_m - rest)^2 - u(t_m) theta_m ,   theta_m = theta0 + d/2 ,   t_m = t0 + h/2
+//! F_d:  -c d/2  at either end ,
+//! ```
+//!
+//! so that each half kick carries the same impulse along the joint,
+//!
+//! ```text
+//! S . w = h/2 (u(t_m) - k Delta0) - (h k/4 + c/2) d .                                                     (1)
+//! ```
+//!
+//! The quadrature is the midpoint rule, in position and in time: of order 2, and its own adjoint, so that the step stays
+//! time-reversible and composes to higher order. A substep backwards in time evaluates the drive at its own midpoint.
+//!
+//! (1) is solved with the joint's constraint, for `w`: a change of `w` moves the joint through the tree, whose block `D`
+//! grows by `h (h k/4 + c/2)`. The impulse along the joint stays of the size of the load however large `k` is, and as
+//! `k -> infinity` it becomes the impulse with which a rigid joint holds its coordinate: the stiff limit is well
+//! conditioned. The deflection `Delta`, and not the angle, is carried as a compensated sum of the changes `d`, so that
+//! `k` multiplies its roundoff and not that of the angle.
+
+use nalgebra::{SVector, Vector3};
+
+use super::compensated::Compensated;
+use super::joints::{Node, Place, along_joint};
+use super::spatial::Wrench;
+use crate::mechanics::coordinates::CoordinateTracker;
+use crate::mechanics::{Drive, JointSpring, State, System};
+
+/// What acts along the coordinates of one joint. Springs and drives act in joints of one coordinate.
+#[derive(Clone, Debug)]
+pub(super) struct JointForce {
+    /// N m/rad or N/m, all springs of the joint together.
+    stiffness: f64,
+    /// N m s/rad or N s/m, for each coordinate: the joint's own and that of its springs.
+    damping: f64,
+    /// `Delta`: the coordinate less the position in which the springs hold each other, rad or m.
+    deflection: Compensated<1>,
+    drives: Vec<Drive>,
+    /// `h/2 (u(t_m) - k Delta0)`
+    constant: f64,
+    /// `h k/4 + c/2`
+    slope: f64,
+    /// `d`
+    travel: Vector3<f64>,
+    /// `S . w` of the last step, N m s or N s.
+    impulse: Vector3<f64>,
+}
+
+/// The joints' forces, one entry a joint that has any. Writes their places into the nodes.
+pub(super) fn joint_forces(system: &System, state: &State, nodes: &mut [Node]) -> Vec<JointForce> {
+    let mut tracker = CoordinateTracker::new(system);
+    tracker.update(system, state, 0.0);
+    let mut all = Vec::new();
+    for i in 0..system.bodies.len() {
+        let drives: Vec<Drive> = system.parts.drives.iter().filter(|drive| drive.body == i).cloned().collect();
+        let JointSpring { stiffness, damping, rest, .. } = system.joint_spring(i);
+        if stiffness == 0.0 && damping == 0.0 && drives.is_empty() {
+            continue;
+        }
+        let theta = settled(tracker.joints[i].position[0], system.initial_coordinates[i].position[0]);
+        nodes[i + 1].force = Some(all.len());
+        all.push(JointForce {
+            stiffness,
+            damping,
+            deflection: Compensated::new(SVector::<f64, 1>::new(theta - rest)),
+            drives,
+            constant: 0.0,
+            slope: 0.0,
+            travel: Vector3::zeros(),
+            impulse: Vector3::zeros(),
+        });
+    }
+    all
+}
+
+/// The position that the scene gave, where the one that the poses show is the same to roundoff.
+fn settled(found: f64, given: f64) -> f64 {
+    if (found - given).abs() <= 8.0 * f64::EPSILON * given.abs().max(1.0) { given } else { found }
+}
+
+impl JointForce {
+    /// Whether the force depends on the motion of the step, and so adds to `D`.
+    pub(super) fn is_implicit(&self) -> bool {
+        self.stiffness > 0.0 || self.damping > 0.0
+    }
+
+    /// Prepares (1) for a step of size `h` from `time`.
+    pub(super) fn begin(&mut self, time: f64, h: f64) {
+        let effort: f64 = self.drives.iter().map(|drive| drive.at(time + 0.5 * h)).sum();
+        self.constant = 0.5 * h * (effort - self.stiffness * self.deflection.value.x);
+        self.slope = 0.25 * h * self.stiffness + 0.5 * self.damping;
+    }
+
+    /// What it adds to `D` in a step of size `h`.
+    pub(super) fn implicit(&self, h: f64) -> f64 {
+        h * self.slope
+    }
+
+    /// Takes in the change of the coordinates with the wrench `w` on the child. Returns by how much `S . w` exceeds (1).
+    pub(super) fn excess(&mut self, travel: Vector3<f64>, impulse: Vector3<f64>) -> Vector3<f64> {
+        (self.travel, self.impulse) = (travel, impulse);
+        let mut excess = impulse + self.slope * travel;
+        excess.x -= self.constant;
+        excess
+    }
+
+    /// Accepts the step that was tried last.
+    pub(super) fn end(&mut self) {
+        self.deflection.add(&SVector::<f64, 1>::new(self.travel.x));
+    }
+
+    /// Work on the system in the step of size `h` that was tried last, J.
+    pub(super) fn work(&self, h: f64) -> f64 {
+        2.0 / h * self.impulse.dot(&self.travel)
+    }
+
+    /// The impulse of the second half kick, on the child about its joint point.
+    pub(super) fn second_half(&self, node: &Node, place: &Place) -> Wrench {
+        along_joint(node, place, &self.impulse)
+    }
+}

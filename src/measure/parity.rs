@@ -46,7 +46,8 @@ pub struct HeldDifference {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     pub system: f64,
-    /// `None` where accelerations are told and not judged. In single precision the roundoff of impulses over the length of a
+    /// `None` where accelerations are told and not judged. In motions that the steps do not resolve, as with stiff springs,
+    /// the extrapolation says nothing about an acceleration; in single precision the roundoff of impulses over the length of a
     /// step can be as large as they are.
     pub acceleration: Option<f64>,
 }
@@ -63,6 +64,9 @@ const ITERATED: Bounds = Bounds { system: 1e-12, acceleration: None };
 /// Steps for the accelerations, s: long enough that roundoff does not hide one percent of an inertia.
 const DOUBLE_STEP: f64 = 1e-4;
 const SINGLE_STEP: f64 = 1e-3;
+
+/// The accelerations of the reference agree to this with those from half the step, or the steps do not resolve the motion.
+const RESOLVED: f64 = 1e-7;
 
 /// The engine that accelerations are compared with.
 pub const REFERENCE: &str = "reference";
@@ -86,6 +90,10 @@ impl Parity {
 pub fn parity(given: &System, system: &System, engines: &[Spec]) -> Vec<Parity> {
     let truth = |step: f64| Spec::parse(REFERENCE).ok().and_then(|spec| accelerations(&spec, system, step));
     let (double, single) = (truth(DOUBLE_STEP), truth(SINGLE_STEP));
+    let resolved = truth(0.5 * DOUBLE_STEP)
+        .zip(double.as_ref())
+        .and_then(|(half, whole)| relative(&half, whole))
+        .is_some_and(|difference| difference <= RESOLVED);
     let against = |bounds: Bounds| if bounds == SINGLE { (&single, SINGLE_STEP) } else { (&double, DOUBLE_STEP) };
     engines
         .iter()
@@ -93,7 +101,8 @@ pub fn parity(given: &System, system: &System, engines: &[Spec]) -> Vec<Parity> 
             let bounds = match engines::converged(spec) {
                 _ if is_single(spec, given) => SINGLE,
                 Some(_) => ITERATED,
-                None => DOUBLE,
+                None if resolved => DOUBLE,
+                None => Bounds { acceleration: None, ..DOUBLE },
             };
             let (truth, step) = against(bounds);
             of(spec, given, system, truth.as_deref(), bounds, step)

@@ -81,7 +81,7 @@ impl Comparison<'_> {
 
     /// The traced runs alone, their positions compared with the truth where it is known, and what a few steps of each
     /// preserve.
-    pub(super) fn trace(&self, truth: Option<&Truth>, interrupted: &AtomicBool, progress: &Progress) -> Results {
+    pub fn trace(&self, truth: Option<&Truth>, interrupted: &AtomicBool, progress: &Progress) -> Results {
         let cases: Vec<(&Spec, Horizon)> =
             self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
         let &Comparison { system, budget, jobs, .. } = self;

@@ -17,6 +17,7 @@ pub mod parity;
 mod quadrature;
 pub mod scaling;
 pub mod series;
+pub mod stability;
 pub mod structure;
 pub mod study;
 pub mod sweep;

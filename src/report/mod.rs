@@ -14,6 +14,7 @@ pub mod metrics;
 pub mod number;
 pub mod page;
 pub mod record;
+pub mod stability;
 mod structure;
 pub mod summary;
 pub mod table;

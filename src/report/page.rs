@@ -91,7 +91,7 @@ fn runs(report: &Report) -> Markup {
              the time of the velocities, for engines that return the two at different times. Position error: the \
              largest error of a joint position against the reference, as long as that is trusted. Joint error: the largest \
              displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
-             grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on \
+             grows over the run; a run of few swings can mislead, a longer one decides; one of fewer than 2000 steps is not judged. CPU time: of the stepping alone, on \
              one thread, median of the repeats; long runs are timed over their first part."
             @if let Some(overhead) = report.timing.as_ref().and_then(|t| t.overhead_us_per_step) {
                 " The loop around a step takes " (plain(1e3 * overhead, 2)) " ns of it."

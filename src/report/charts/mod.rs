@@ -1,6 +1,7 @@
 //! The charts, one file each. The only folder that knows plotters.
 
 mod axis;
+pub mod broken_bound;
 mod canvas;
 mod constraint_violation;
 mod convergence;
@@ -9,6 +10,7 @@ mod energy_drift;
 mod error_vs_run_time;
 mod legend;
 mod panel;
+pub mod stability_map;
 mod structure;
 mod style;
 pub mod theory;

@@ -177,7 +177,7 @@ mod tests {
         let truth = Truth::new(&system, "test".into(), &times, main.clone(), &[close.clone(), grown]);
         assert_eq!((truth.trusted_until, truth.times.len(), truth.states.len()), (6.0, 6, 6));
         assert!((truth.error_estimate() / 10f64.powf(-8.5) - 1.0).abs() < 1e-6, "{:e}", truth.error_estimate());
-        let whole = Truth::new(&system, "test".into(), &times, main.clone(), &[close.clone()]);
+        let whole = Truth::new(&system, "test".into(), &times, main.clone(), std::slice::from_ref(&close));
         assert!(whole.trusted_until == 10.0 && (whole.error_estimate() - 1e-12).abs() < 1e-15);
         // What the check did not reach is not trusted, and what is not a number neither.
         let truth = Truth::new(&system, "test".into(), &times, main.clone(), &[close[..3].to_vec()]);

@@ -44,8 +44,8 @@ fn a_map_that_stretches_momenta_has_the_defect_of_its_stretch() {
         let system = shipped(name);
         let (state, _) = examined_state(&system, 10.0);
         let found = symplecticity(&system, &state, 0.0, &map).expect("a map");
-        // measured at most 2.0e-12 (joint_zoo), of which the defect is 1.3e-13 off
-        assert!((found.defect - stretch).abs() <= 4e-13 && found.error <= 5e-12, "{name}: {found:?}");
+        // measured at most 2.0e-12 (joint_zoo), of which the defect is 5.2e-13 off
+        assert!((found.defect - stretch).abs() <= 1.5e-12 && found.error <= 5e-12, "{name}: {found:?}");
         let back = reversibility(&system, &state, 0.0, &map).expect("a map");
         let own = reversibility(&system, &state, 0.0, &|from| Ok(from.initial.clone())).expect("a map");
         assert!(own <= 1e-13 && back > stretch, "{name}: {own:e} {back:e}");

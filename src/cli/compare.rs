@@ -67,7 +67,7 @@ struct Task {
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let named = engines(&args.engine)?;
+    let named = input::specs(&args.engine)?;
     let budget = Duration::try_from_secs_f64(input::positive("--budget", args.budget)?).unwrap_or(Duration::MAX);
     let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     // Everything that can be wrong is found before the first run starts.
@@ -96,21 +96,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Reads specs, none twice.
-fn engines<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
-    let mut specs: Vec<Spec> = Vec::new();
-    for text in texts {
-        let spec = Spec::parse(text.as_ref())?;
-        if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
-            specs.push(spec);
-        }
-    }
-    Ok(specs)
-}
-
 /// The default engines that support a system.
 fn default_engines(system: &System, step: f64) -> Result<Vec<Spec>, CliError> {
-    let mut specs = engines(&ENGINES)?;
+    let mut specs = input::specs(&ENGINES)?;
     specs.retain(|spec| crate::engines::build(spec, system, step).is_ok());
     Ok(specs)
 }

@@ -19,6 +19,8 @@ use std::fmt;
 
 use crate::mechanics::{Part, State, System};
 
+#[doc(hidden)]
+pub use rattle::faulty;
 pub use spec::{Choice, Key, Number, Spec, SpecError};
 
 /// Something that advances a system by a fixed step.

@@ -71,13 +71,22 @@ impl Comparison<'_> {
 
     /// Runs everything; `interrupted` may be set from outside at any time.
     pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
+        let mut results = self.trace(interrupted, progress);
+        if !results.interrupted {
+            results.interrupted = !self.time_all(&mut results.runs, interrupted, progress);
+        }
+        results
+    }
+
+    /// The traced runs alone.
+    pub fn trace(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
         let cases: Vec<(&Spec, Horizon)> =
             self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
         let limits = Limits { budget: self.budget, interrupted, taken: &progress.traced };
         let traces = self.trace_all(&cases, &limits);
         let missing = traces.iter().any(Option::is_none);
         let structures = self.examine_all(&cases, &Limits { taken: &progress.examined, ..limits });
-        let mut runs: Vec<Run> = cases
+        let runs: Vec<Run> = cases
             .into_iter()
             .zip(traces)
             .zip(structures)
@@ -85,8 +94,7 @@ impl Comparison<'_> {
                 Some(Run { engine: spec.clone(), horizon, trace: trace?, structure, timing: None })
             })
             .collect();
-        let timed = !missing && self.time_all(&mut runs, interrupted, progress);
-        Results { runs, interrupted: !timed }
+        Results { runs, interrupted: missing }
     }
 
     /// Traces all cases, those with the most steps first.

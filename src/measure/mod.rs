@@ -11,6 +11,7 @@ pub mod growth;
 pub mod horizon;
 mod quadrature;
 pub mod series;
+pub mod stability;
 pub mod structure;
 pub mod trace;
 mod work;

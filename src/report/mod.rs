@@ -11,6 +11,7 @@ pub mod metrics;
 pub mod number;
 pub mod page;
 pub mod record;
+pub mod stability;
 mod structure;
 pub mod table;
 pub mod theory;

@@ -81,7 +81,7 @@ fn runs(report: &Report) -> Markup {
              energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
              the time of the velocities, for engines that return the two at different times. Joint error: the largest \
              displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
-             grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on \
+             grows over the run; a run of few swings can mislead, a longer one decides; one of fewer than 2000 steps is not judged. CPU time: of the stepping alone, on \
              one thread, median of the repeats; long runs are timed over their first part."
         }
     }

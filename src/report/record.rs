@@ -164,9 +164,13 @@ pub struct Energy {
     /// Slope of a straight line through the error, 1/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slope_per_s: Option<f64>,
-    /// The spread of the error grows like this power of time.
+    /// The error grows like this power of time; 0 where no growth was established.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth_exponent: Option<f64>,
+    /// Its 95 % confidence interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth_exponent_interval: Option<[f64; 2]>,
+    /// Absent where the run was too short to be judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// For an engine whose positions and velocities belong to different times: the same errors with the positions moved
@@ -349,8 +353,9 @@ fn energy(trace: &Trace, scale_j: f64) -> Option<Energy> {
         scale_j,
         max_relative_error: e.max,
         final_relative_error: e.last,
-        slope_per_s: growth.map(|g| g.slope_per_s),
-        growth_exponent: growth.and_then(|g| g.exponent),
+        slope_per_s: growth.and_then(|g| g.slope_per_s),
+        growth_exponent: growth.and_then(|g| g.exponent).map(|e| e.value),
+        growth_exponent_interval: growth.and_then(|g| g.exponent).map(|e| [e.low, e.high]),
         verdict: growth.map(|g| g.verdict),
         time_level_corrected: trace
             .time_level_corrected

@@ -9,6 +9,8 @@ mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+#[doc(hidden)]
+pub mod fault;
 mod forces;
 mod free_body;
 mod joints;
@@ -25,6 +27,8 @@ mod spatial;
 mod tableau;
 mod tree;
 
+#[doc(hidden)]
+pub use fault::Fault;
 pub use lobatto::Lobatto;
 pub use method::Method;
 pub use rattle::{Failure, Rattle};

@@ -1,12 +1,14 @@
 //! The charts, one file each. The only folder that knows plotters.
 
 mod axis;
+pub mod broken_bound;
 mod canvas;
 mod constraint_violation;
 mod energy_drift;
 mod error_vs_run_time;
 mod legend;
 mod panel;
+pub mod stability_map;
 mod structure;
 mod style;
 pub mod theory;

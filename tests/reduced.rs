@@ -54,19 +54,21 @@ fn trees() -> impl Strategy<Value = System> {
 
 /// The same with a drive in every joint of one coordinate, and damped springs from each link to the ground and to its parent.
 fn loaded_trees() -> impl Strategy<Value = System> {
-    trees().prop_map(loaded)
+    trees().prop_map(|system| loaded(system, 1.0))
 }
 
-fn loaded(mut system: System) -> System {
+fn loaded(mut system: System, strength: f64) -> System {
     for (i, body) in system.bodies.iter().enumerate() {
         let end = |body, x: f64| Anchor { body, point: Vector3::new(x, 0.1, -0.05 * i as f64) };
-        let spring = |from, to| PointSpring { from, to, stiffness: 30.0, damping: 0.4, rest_length: 0.2 };
+        let spring =
+            |from, to| PointSpring { from, to, stiffness: 3.0 * strength, damping: 0.02 * strength, rest_length: 0.2 };
         system.parts.point_springs.push(spring(end(None, 2.0), end(Some(i), 0.1)));
         if body.joint.parent.is_some() {
             system.parts.point_springs.push(spring(end(Some(i), 0.6), end(body.joint.parent, -0.3)));
         }
         if let JointKind::Revolute | JointKind::Prismatic = body.joint.kind {
-            let drive = Drive { body: i, effort: 0.4, amplitude: 2.0, angular_frequency: 5.0, phase: 0.3 * i as f64 };
+            let (effort, amplitude) = (0.1 * strength, 0.3 * strength);
+            let drive = Drive { body: i, effort, amplitude, angular_frequency: 5.0, phase: 0.3 * i as f64 };
             system.parts.drives.push(drive);
         }
     }
@@ -118,7 +120,7 @@ proptest! {
             model.write_state(&q, &v, &mut state);
             energy::energy(&system, &state).total()
         };
-        let reach = 1e-4;
+        let reach = 3e-5;
         let slope = |h: f64, energy_at: &mut dyn FnMut(f64) -> f64| (energy_at(h) - energy_at(-h)) / (2.0 * h);
         let (near, far) = (slope(0.5 * reach, &mut energy_at), slope(reach, &mut energy_at));
         let power = (4.0 * near - far) / 3.0;
@@ -212,7 +214,8 @@ fn every_method_has_its_order_on_a_chain_of_every_joint_type() {
 
 #[test]
 fn every_method_has_its_order_with_drives_and_damped_springs_between_points() {
-    orders(&loaded(zoo()));
+    // Stronger ones turn the last rod about its thin axis so fast that long steps do not converge.
+    orders(&loaded(zoo(), 0.1));
 }
 
 fn orders(system: &System) {
@@ -292,7 +295,7 @@ fn one_galerkin_step_is_symplectic_and_one_of_the_explicit_methods_is_not() {
 
 #[test]
 fn springs_between_points_and_drives_keep_a_galerkin_step_symplectic() {
-    let mut system = loaded(alternating_in_motion());
+    let mut system = loaded(alternating_in_motion(), 1.0);
     system.parts.point_springs.iter_mut().for_each(|spring| spring.damping = 0.0);
     symplectic_or_not(&system);
 }

@@ -29,6 +29,9 @@ use crate::model::scene::LoopKind;
 /// The least singular value that counts, over the largest: below it the linkage is where its path may fork.
 const SINGULAR: f64 = 1e-9;
 
+/// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in six to ten.
+const SWEEPS: usize = 40;
+
 /// A joint that closes a loop between two links; `None` is the ground.
 #[derive(Clone, Debug)]
 pub struct Closure {
@@ -244,13 +247,7 @@ impl Loops {
         if !transposed.iter().chain(right).all(|x| x.is_finite()) {
             return None;
         }
-        let svd = transposed.svd(true, true);
-        let (u, v_t, sigma) = (svd.u?, svd.v_t?, svd.singular_values);
-        let mut x = DVector::zeros(l.nrows());
-        for k in 0..self.rank {
-            (sigma[k] > SINGULAR * sigma[0]).then_some(())?;
-            x.axpy(v_t.row(k).transpose().dot(right) / sigma[k], &u.column(k), 1.0);
-        }
+        let mut x = pseudo_inverse(transposed.transpose(), self.rank, right)?;
         l.tr_solve_lower_triangular_mut(&mut x).then_some(x)
     }
 
@@ -268,4 +265,48 @@ impl Loops {
             },
         )
     }
+}
+
+/// `a^+ b` with the `rank` largest singular values of `a`, by one-sided Jacobi rotations (Hestenes 1958): `a V = U Sigma` with
+/// orthogonal columns. It finds the directions to roundoff however deficient the rank is, where methods by bidiagonal forms
+/// leave noise that an error estimate near roundoff would take for the motion.
+fn pseudo_inverse(mut a: DMatrix<f64>, rank: usize, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let n = a.ncols();
+    let mut v = DMatrix::identity(n, n);
+    let zero = f64::EPSILON * a.norm();
+    for _ in 0..SWEEPS {
+        let mut turned = false;
+        for i in 0..n {
+            for j in i + 1..n {
+                let (alpha, beta, gamma) =
+                    (a.column(i).norm_squared(), a.column(j).norm_squared(), a.column(i).dot(&a.column(j)));
+                if gamma.abs() <= f64::EPSILON * (alpha * beta).sqrt() || alpha.min(beta).sqrt() <= zero {
+                    continue;
+                }
+                turned = true;
+                let zeta = (beta - alpha) / (2.0 * gamma);
+                let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
+                let cosine = 1.0 / tangent.hypot(1.0);
+                for matrix in [&mut a, &mut v] {
+                    for row in 0..matrix.nrows() {
+                        let (x, y) = (matrix[(row, i)], matrix[(row, j)]);
+                        matrix[(row, i)] = cosine * (x - tangent * y);
+                        matrix[(row, j)] = cosine * (tangent * x + y);
+                    }
+                }
+            }
+        }
+        if !turned {
+            break;
+        }
+    }
+    let sigma: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| sigma[j].total_cmp(&sigma[i]));
+    let mut x = DVector::zeros(n);
+    for &k in order.iter().take(rank) {
+        (sigma[k] > SINGULAR * sigma[order[0]]).then_some(())?;
+        x.axpy(a.column(k).dot(b) / (sigma[k] * sigma[k]), &v.column(k), 1.0);
+    }
+    Some(x)
 }

@@ -33,7 +33,7 @@ fn disagreement(system: &System, step: f64, duration: f64) -> (f64, f64) {
     let travelled = distance(&system.initial, &reference.states[0]);
     let (error, estimate) = (distance(&rattle, &reference.states[0]), reference.error_estimate[0]);
     println!("{:16} {error:.1e}, estimate {estimate:.1e}, travelled {travelled:.2}", system.name);
-    assert!(travelled > 0.1, "{}: {travelled}", system.name);
+    assert!(travelled > 0.05, "{}: {travelled}", system.name);
     (error, estimate)
 }
 
@@ -43,8 +43,10 @@ fn the_reference_agrees_with_rattle_on_every_shipped_linkage() {
         [("four_bar", 1e-3, 1.0), ("slider_crank", 5e-4, 1.0), ("bricard", 1e-3, 1.0), ("ladder", 1e-3, 0.2)]
     {
         let (error, estimate) = disagreement(&shipped(name), step, duration);
-        assert!(error <= 1e-9 && error > 0.0, "{name}: {error:e}");
-        assert!(estimate <= 1e-9 && estimate >= error, "{name}: {estimate:e} against {error:e}");
+        // measured 2.8e-15 (four_bar), 2.7e-14, 3.5e-14 and 6.7e-14 (ladder)
+        assert!(error <= 1.5e-13 && error > 0.0, "{name}: {error:e}");
+        // measured 1.1e-13 (ladder) to 1.7e-12 (slider_crank)
+        assert!(estimate <= 4e-12 && estimate >= error, "{name}: {estimate:e} against {error:e}");
     }
 }
 
@@ -73,7 +75,8 @@ fn the_reference_agrees_with_rattle_on_loops_of_every_kind_that_moves() {
     ];
     for (kind, axis, duration) in cases {
         let (error, estimate) = disagreement(&closed_chain(kind, axis), 5e-4, duration);
-        assert!(error <= 1e-11 && estimate <= 1e-9, "{kind:?}: {error:e} {estimate:e}");
+        // measured 6.7e-16 to 3.0e-15, and 6.9e-14 to 7.9e-14
+        assert!(error <= 8e-15 && estimate <= 2e-13, "{kind:?}: {error:e} {estimate:e}");
     }
 }
 
@@ -84,7 +87,8 @@ fn the_reference_agrees_with_rattle_on_a_mimic_joint() {
     scene.initial[0].velocity = vec![2.0];
     (scene.initial[0].position_given, scene.initial[0].velocity_given) = (true, true);
     let (error, estimate) = disagreement(&compile(&scene), 1e-3, 1.0);
-    assert!(error <= 1e-11 && estimate <= 1e-9, "{error:e} {estimate:e}");
+    // measured 1.3e-14 and 9.5e-13
+    assert!(error <= 4e-14 && estimate <= 2.5e-12, "{error:e} {estimate:e}");
 }
 
 /// Rows that are left out are found: the loop opens, and the run ends with its name.
@@ -115,11 +119,18 @@ fn sprung(damping: f64) -> System {
     system
 }
 
+/// `rattle` carries roundoff of the springs that does not fall with its step, and the motion enlarges it: it is asked for
+/// 0.25 s. `galerkin`, with a mass matrix of its own, is asked for 1 s.
 #[test]
-fn the_reference_agrees_with_rattle_on_springs_between_points_and_drives() {
+fn the_reference_agrees_with_others_on_springs_between_points_and_drives() {
     let system = sprung(0.0);
-    let (error, estimate) = disagreement(&system, 1e-3, 1.0);
-    assert!(error <= 1e-11 && estimate <= 1e-9, "{error:e} {estimate:e}");
+    let (error, estimate) = disagreement(&system, 1e-3, 0.25);
+    // measured 1.6e-11 (4.7e-11 at half the step) and 3.0e-13
+    assert!(error <= 4e-11 && estimate <= 8e-13, "{error:e} {estimate:e}");
+    let reference = trajectory(&system, &[1.0]).unwrap();
+    let error = distance(&run("galerkin:stages=8", &system, 5e-3, 200), &reference.states[0]);
+    // measured 6.0e-13 and 6.8e-11
+    assert!(error <= 1.5e-12 && reference.error_estimate[0] <= 2e-10, "{error:e}");
     // Negative control: the springs matter.
     let mut softer = system.clone();
     softer.parts.point_springs[1].stiffness *= 1.0 + 1e-6;
@@ -142,7 +153,8 @@ fn the_reference_agrees_with_rattle_on_damped_springs_as_far_as_order_two_goes()
         positions.map(|((c, f), r)| ((4.0 * f.position - c.position) / 3.0 - r.position).norm()).fold(0.0, f64::max)
     });
     println!("{errors:?}");
-    assert!(errors[0] <= 1e-8 && errors[2] > 0.0, "{errors:?}");
+    // measured 5.9e-10, 3.7e-11, 2.3e-12: order 4
+    assert!(errors[0] <= 1.5e-9 && errors[2] > 0.0, "{errors:?}");
     assert!(errors[0] / errors[1] > 12.0 && errors[1] / errors[2] > 12.0, "{errors:?}");
 }
 
@@ -156,5 +168,6 @@ fn the_reference_follows_a_stiff_joint_that_rattle_steps_over() {
     let travelled = distance(&system.initial, &reference.states[0]);
     println!("{error:.1e}, estimate {estimate:.1e}, travelled {travelled:.1e}");
     assert!(travelled > 1e-3, "{travelled:e}");
-    assert!(error <= 1e-7 && estimate <= 1e-9, "{error:e} {estimate:e}");
+    // measured 6.2e-11 and 9.7e-15
+    assert!(error <= 2e-10 && estimate <= 3e-14, "{error:e} {estimate:e}");
 }

@@ -72,7 +72,7 @@ pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Results {
         };
         let results = match unit.timed {
             true => comparison.run(settings.interrupted, &progress),
-            false => comparison.trace(settings.interrupted, &progress),
+            false => comparison.trace(None, settings.interrupted, &progress),
         };
         settings.taken.fetch_add(unit.engines.len() as u64 * unit.horizon.steps, Ordering::Relaxed);
         results

@@ -10,7 +10,7 @@ use crate::discrete::solve::SolveError;
 use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
 use crate::mechanics::CompileError;
-use crate::model::{SceneError, SceneProblem};
+use crate::model::{ModelError, SceneError, SceneProblem};
 use crate::report::files::WriteError;
 use crate::report::record::ReadError;
 use crate::report::stability::record::IncompleteError;
@@ -24,6 +24,8 @@ pub enum CliError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Option(#[from] SceneProblem),
+    #[error(transparent)]
+    Model(#[from] ModelError),
     #[error("{input}: {error}", input = input.display())]
     Compile { input: PathBuf, error: CompileError },
     #[error("--engine: {0}")]

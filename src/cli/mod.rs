@@ -6,6 +6,7 @@
 mod chart;
 mod check;
 mod compare;
+mod cost;
 mod error;
 mod generate;
 mod input;
@@ -41,6 +42,7 @@ enum Command {
     Stability(stability::Args),
     Merge(merge::Args),
     Check(check::Args),
+    Cost(cost::Args),
     Theory(theory::Args),
     Generate(generate::Args),
     Chart(chart::Args),
@@ -57,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Stability(args) => stability::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Cost(args) => cost::run(&args),
         Command::Theory(args) => theory::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Chart(args) => chart::run(&args),

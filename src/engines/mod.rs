@@ -103,3 +103,14 @@ pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>,
     }
     (spec.entry().build)(spec, system, step)
 }
+
+/// What an engine holds of a system, read back from its own data; `None` for engines that compute on the [`System`]
+/// itself, and where the engine cannot be built.
+pub fn held(spec: &Spec, system: &System, step: f64) -> Option<rapier::Held> {
+    (spec.entry().name == rapier::ENTRY.name).then(|| rapier::hold(spec, system, step).ok()).flatten()
+}
+
+/// The same engine with its constraints solved to the end, for engines whose settings leave them half solved.
+pub fn converged(spec: &Spec) -> Option<Spec> {
+    (spec.entry().name == rapier::ENTRY.name).then(|| rapier::converged(spec)).flatten()
+}

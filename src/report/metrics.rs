@@ -14,7 +14,7 @@ pub struct Metric {
 }
 
 /// All figures. A new one is one entry here.
-pub const METRICS: [Metric; 20] = [
+pub const METRICS: [Metric; 26] = [
     Metric {
         name: "energy.max_relative_error",
         unit: "of the energy scale",
@@ -86,6 +86,42 @@ pub const METRICS: [Metric; 20] = [
         unit: "of its scale",
         summary: "largest error of a conserved component of momentum",
         value: |r| Some(r.momentum.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "accuracy.max_joint_error",
+        unit: "rad or m",
+        summary: "largest error of a joint position against the reference, as long as it is trusted",
+        value: |r| Some(r.accuracy.as_ref()?.max_joint_error),
+    },
+    Metric {
+        name: "accuracy.rms_joint_error",
+        unit: "rad or m",
+        summary: "root mean square of the joint position errors",
+        value: |r| Some(r.accuracy.as_ref()?.rms_joint_error),
+    },
+    Metric {
+        name: "accuracy.max_position_error_m",
+        unit: "m",
+        summary: "largest error of the place of a centre of mass",
+        value: |r| Some(r.accuracy.as_ref()?.max_position_error_m),
+    },
+    Metric {
+        name: "accuracy.rms_position_error_m",
+        unit: "m",
+        summary: "root mean square of these",
+        value: |r| Some(r.accuracy.as_ref()?.rms_position_error_m),
+    },
+    Metric {
+        name: "accuracy.max_attitude_error_rad",
+        unit: "rad",
+        summary: "largest error of an attitude",
+        value: |r| Some(r.accuracy.as_ref()?.max_attitude_error_rad),
+    },
+    Metric {
+        name: "accuracy.rms_attitude_error_rad",
+        unit: "rad",
+        summary: "root mean square of these",
+        value: |r| Some(r.accuracy.as_ref()?.rms_attitude_error_rad),
     },
     Metric {
         name: "structure.symplecticity.defect",

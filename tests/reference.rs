@@ -9,15 +9,14 @@ use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::{State, System};
 use rattlebench::model::{JointKind, Scene};
 
-/// Every shipped scene that the reference supports, compiled.
+/// Every shipped tree without dampers, compiled; a joint that swings at 30 kHz is for another test, and so are loops.
 fn shipped() -> Vec<System> {
     let mut files: Vec<_> =
         std::fs::read_dir("models").unwrap().map(|entry| entry.unwrap().path().join("scene.json")).collect();
     files.sort();
     let mut systems: Vec<_> =
         files.iter().map(|file| compile(&Scene::load(file).unwrap_or_else(|e| panic!("{e}")))).collect();
-    let reference = Spec::parse("reference").unwrap();
-    systems.retain(|system| engines::build(&reference, system, 1e-3).is_ok());
+    systems.retain(|system| system.parts.loops.is_empty() && system.name != "stiff_joint");
     systems.retain(|system| system.bodies.iter().all(|body| body.joint.damping == 0.0));
     assert!(systems.len() >= 9, "{}", systems.len());
     systems
@@ -46,7 +45,7 @@ fn the_reference_agrees_with_rattle_of_order_eight_on_every_shipped_scene() {
         let travelled = distance(&system.initial, &reference.states[0]);
         println!("{:16} {error:.1e}, estimate {estimate:.1e}, travelled {travelled:.2}", system.name);
         assert!(travelled > 0.1, "{}: {travelled}", system.name);
-        // measured 1.1e-14 (double_pendulum) to 2.0e-12 (arm_6)
+        // measured 1.1e-14 (double_pendulum) to 2.0e-12 (arm_6, 1.0e-12 against galerkin)
         assert!(error <= 5e-12, "{}: {error:e}", system.name);
         // measured 7.0e-13 (double_pendulum) to 6.3e-11 (arm_6); it errs on the safe side
         assert!(estimate <= 1.5e-10 && estimate >= error, "{}: {estimate:e} against {error:e}", system.name);

@@ -44,7 +44,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     };
     engine
         .state
-        .rates(&engine.state.y.clone(), &mut engine.rates[0])
+        .rates(0.0, &engine.state.y.clone(), &mut engine.rates[0])
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: failure.to_string() })?;
     engine.natural = engine.first_step();
     Ok(Box::new(engine))
@@ -73,11 +73,11 @@ impl Engine for Dop853 {
             if !(h > 1e-14 * step) {
                 return Err(self.state.diverged());
             }
-            let error = self.attempt(h)?;
+            let error = self.attempt(reached, h)?;
             let growth = (0.9 * error.powf(-0.125)).clamp(1.0 / 3.0, 6.0);
             if error <= 1.0 {
-                self.accept()?;
                 reached = if h == rest { step } else { reached + h };
+                self.accept(reached)?;
                 let wanted = h * if rejected { growth.min(1.0) } else { growth };
                 self.natural = if h < self.natural { self.natural.max(wanted) } else { wanted };
                 rejected = false;
@@ -95,15 +95,15 @@ impl Engine for Dop853 {
 }
 
 impl Dop853 {
-    /// All stages of a step; leaves the end in `next` and returns the error in units of the tolerance.
-    fn attempt(&mut self, h: f64) -> Result<f64, StepFailure> {
+    /// All stages of a step from `reached`; leaves the end in `next` and returns the error in units of the tolerance.
+    fn attempt(&mut self, reached: f64, h: f64) -> Result<f64, StepFailure> {
         for i in 1..STAGES {
             self.at.copy_from_slice(&self.state.y);
             let (known, rest) = self.rates.split_at_mut(i);
             for (rate, a) in known.iter().zip(&self.tableau.a[i]).filter(|(_, a)| **a != 0.0) {
                 self.at.iter_mut().zip(rate).for_each(|(y, k)| *y += h * a * k);
             }
-            self.state.rates(&self.at, &mut rest[0])?;
+            self.state.rates(reached + self.tableau.c[i] * h, &self.at, &mut rest[0])?;
         }
         let (b, er, bh) = (&self.tableau.b, &self.tableau.er, &self.tableau.bh);
         let (mut fifth, mut third) = (0.0, 0.0);
@@ -120,9 +120,9 @@ impl Dop853 {
         Ok(h * fifth / size)
     }
 
-    fn accept(&mut self) -> Result<(), StepFailure> {
+    fn accept(&mut self, reached: f64) -> Result<(), StepFailure> {
         self.state.y.copy_from_slice(&self.next);
-        self.state.rates(&self.next, &mut self.rates[0])
+        self.state.rates(reached, &self.next, &mut self.rates[0])
     }
 
     /// A hundredth of the time in which the state changes by its own size, at most the step of the run.

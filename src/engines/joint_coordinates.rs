@@ -6,7 +6,7 @@ use crate::reduced::Model;
 use crate::reduced::articulated::Articulated;
 
 /// What the equations in joint coordinates hold beside the tree.
-pub(super) const PARTS: &[Part] = &[Part::JointSprings];
+pub(super) const PARTS: &[Part] = &[Part::JointSprings, Part::PointSprings, Part::Drives];
 
 /// Positions and velocities `y = (q, v)` with their equations of motion by articulated bodies.
 pub(super) struct JointCoordinates {
@@ -25,7 +25,7 @@ impl JointCoordinates {
         y.extend(v);
         let mut start = JointCoordinates { dynamics: Articulated::new(model), y, step, taken: 0 };
         let (y, mut rate) = (start.y.clone(), start.y.clone());
-        start.rates(&y, &mut rate).map_err(|_| Unsupported {
+        start.rates(0.0, &y, &mut rate).map_err(|_| Unsupported {
             engine: spec.to_string(),
             what: "a joint that can move without moving any mass; give the links behind it mass and inertia".into(),
         })?;
@@ -36,18 +36,25 @@ impl JointCoordinates {
         self.step
     }
 
-    /// `dy/dt` at `y`.
-    pub(super) fn rates(&mut self, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
+    /// Time at the start of the step, s.
+    fn time(&self) -> f64 {
+        self.taken as f64 * self.step
+    }
+
+    /// `dy/dt` at `y`, a time `after` (s) into the step.
+    pub(super) fn rates(&mut self, after: f64, y: &[f64], rate: &mut [f64]) -> Result<(), StepFailure> {
+        let time = self.time() + after;
         let (q, v) = y.split_at(self.dynamics.model().positions);
         let (q_rate, v_rate) = rate.split_at_mut(q.len());
         self.dynamics.model().rates(q, v, q_rate);
-        self.dynamics.accelerations(q, v, v_rate).ok_or_else(|| self.diverged())
+        self.dynamics.accelerations(time, q, v, v_rate).ok_or_else(|| self.diverged())
     }
 
     /// Accelerations at the present state.
     pub(super) fn accelerations(&mut self, out: &mut [f64]) -> Result<(), StepFailure> {
+        let time = self.time();
         let (q, v) = self.y.split_at(self.dynamics.model().positions);
-        self.dynamics.accelerations(q, v, out).ok_or_else(|| self.diverged())
+        self.dynamics.accelerations(time, q, v, out).ok_or_else(|| self.diverged())
     }
 
     /// `v += h a`.
@@ -76,7 +83,7 @@ impl JointCoordinates {
     }
 
     pub(super) fn diverged(&self) -> StepFailure {
-        let (time, step) = (self.taken as f64 * self.step, self.step);
+        let (time, step) = (self.time(), self.step);
         let detail =
             format!("t = {time:.6} s: the state stops being a number at a step of {step} s; take a smaller step");
         StepFailure::Diverged { detail }

@@ -2,8 +2,9 @@
 //!
 //! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`reduced::recursive`]), integrated by the
 //! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.10)
-//! of the crate `differential-equations`. Neither shares code with the variational core. [`trajectory`] integrates twice,
-//! at two tolerances, and gives the distance of the two as its error estimate.
+//! of the crate `differential-equations`. Neither shares code with the variational core. Loops and mimic joints are held by
+//! the least force that does, and positions and velocities are taken back to the constraint manifold after each accepted
+//! step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its error estimate.
 //!
 //! The crate allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
 //! accuracy and is no rival in speed. `dop853` is.
@@ -15,15 +16,17 @@ use std::cell::RefCell;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 
-use super::joint_coordinates::PARTS;
 use super::{Engine, Entry, Spec, StepFailure, Unsupported};
-use crate::mechanics::{State, System};
+use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
 use crate::reduced::recursive::Dynamics;
 
 /// Relative and absolute tolerance of the reference, and the looser one that it is compared with.
 pub const TOLERANCE: f64 = 1e-14;
 pub const LOOSER_TOLERANCE: f64 = 1e-12;
+
+/// How far a loop may stay open after a projection, m or rad: beyond it has rows that it did not have at the start.
+const CLOSED: f64 = 1e-9;
 
 /// What `report.json` says about how the reference was computed.
 pub const METHOD: &str = "joint coordinates, mass matrix and recursive Newton-Euler, Dormand-Prince order 8(5,3) at \
@@ -33,7 +36,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "reference",
     summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
     keys: &[],
-    parts: PARTS,
+    parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
     build,
 };
 
@@ -137,29 +140,34 @@ pub fn distance(a: &State, b: &State) -> f64 {
 struct Equations(RefCell<Dynamics>);
 
 impl ODE<f64, Vec<f64>> for Equations {
-    fn diff(&self, _t: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
+    fn diff(&self, time: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
         let mut dynamics = self.0.borrow_mut();
         let (q, v) = y.split_at(dynamics.model().positions);
         let (q_rate, v_rate) = rate.split_at_mut(q.len());
         dynamics.model().rates(q, v, q_rate);
-        if dynamics.accelerations(q, v, v_rate).is_none() {
+        if dynamics.accelerations(time, q, v, v_rate).is_none() {
             v_rate.fill(f64::NAN);
         }
     }
 }
 
+type Method = ExplicitRungeKutta<Ordinary, DormandPrince, f64, Vec<f64>, 8, 12, 16>;
+
+fn dormand_prince(tolerance: f64) -> Method {
+    ExplicitRungeKutta::dop853().rtol(tolerance).atol(tolerance).max_steps(usize::MAX)
+}
+
 /// An adaptive integration that lands on every time asked for.
 struct Integration {
     equations: Equations,
-    method: ExplicitRungeKutta<Ordinary, DormandPrince, f64, Vec<f64>, 8, 12, 16>,
+    method: Method,
+    tolerance: f64,
+    /// Whether there are loops or mimic joints.
+    projects: bool,
 }
 
 impl Integration {
     fn new(system: &System, tolerance: f64) -> Result<Integration, StepFailure> {
-        if let Some(part) = system.parts.kinds().find(|part| !PARTS.contains(part)) {
-            let detail = format!("t = 0 s: the reference does not support {}", part.name());
-            return Err(StepFailure::Diverged { detail });
-        }
         let model = Model::new(system);
         let (mut y, v) = model.initial();
         y.extend(v);
@@ -167,12 +175,16 @@ impl Integration {
         let mut rate = y.clone();
         equations.diff(0.0, &y, &mut rate);
         if !rate.iter().all(|x| x.is_finite()) {
-            let detail = "t = 0 s: the mass matrix is singular: a joint can move without moving any mass".to_string();
+            let detail =
+                "t = 0 s: the mass matrix is singular, where a joint can move without moving any mass, or the rows of \
+                          the loops lose rank"
+                    .to_string();
             return Err(StepFailure::Diverged { detail });
         }
-        let mut method = ExplicitRungeKutta::dop853().rtol(tolerance).atol(tolerance).max_steps(usize::MAX);
+        let tree = system.parts.loops.is_empty() && system.parts.couplings.is_empty();
+        let mut method = dormand_prince(tolerance);
         method.init(&equations, 0.0, f64::MAX, &y).map_err(|_| failure(0.0))?;
-        Ok(Integration { equations, method })
+        Ok(Integration { equations, method, tolerance, projects: !tree })
     }
 
     fn advance_to(&mut self, time: f64) -> Result<(), StepFailure> {
@@ -189,10 +201,33 @@ impl Integration {
             }
             let before = self.method.t();
             self.method.step(&self.equations).map_err(|_| failure(before))?;
-            if shortened && self.method.t() > before {
-                self.method.set_h(natural.max(self.method.h()));
+            if self.method.t() > before {
+                if self.projects {
+                    self.project()?;
+                }
+                if shortened {
+                    self.method.set_h(natural.max(self.method.h()));
+                }
             }
         }
+    }
+
+    /// Closes the loops and starts the method anew from there.
+    fn project(&mut self) -> Result<(), StepFailure> {
+        let (time, step, mut y) = (self.method.t(), self.method.h(), self.method.y().clone());
+        let mut dynamics = self.equations.0.borrow_mut();
+        let (q, v) = y.split_at_mut(dynamics.model().positions);
+        let (name, open) = dynamics.project(q, v).ok_or_else(|| failure(time))?;
+        if !(open <= CLOSED) {
+            let detail = format!(
+                "t = {time:.6} s: {name} stays open by {open:.1e} m or rad: its constraints here are not those of the start"
+            );
+            return Err(StepFailure::Diverged { detail });
+        }
+        drop(dynamics);
+        self.method = dormand_prince(self.tolerance).h0(step);
+        self.method.init(&self.equations, time, f64::MAX, &y).map_err(|_| failure(time))?;
+        Ok(())
     }
 
     fn write_state(&self, out: &mut State) {
@@ -203,5 +238,8 @@ impl Integration {
 }
 
 fn failure(time: f64) -> StepFailure {
-    StepFailure::Diverged { detail: format!("t = {time:.6} s: the adaptive step size has become too small to go on") }
+    let detail = format!(
+        "t = {time:.6} s: the adaptive step size has become too small to go on, or a loop is where its path may fork"
+    );
+    StepFailure::Diverged { detail }
 }

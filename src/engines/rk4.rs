@@ -34,8 +34,8 @@ impl Engine for RungeKutta {
         let h = self.state.step_size();
         self.at.copy_from_slice(&self.state.y);
         self.sum.fill(0.0);
-        for (weight, reach) in [(1.0, 0.5 * h), (2.0, 0.5 * h), (2.0, h), (1.0, 0.0)] {
-            self.state.rates(&self.at, &mut self.rate)?;
+        for (after, weight, reach) in [(0.0, 1.0, 0.5 * h), (0.5 * h, 2.0, 0.5 * h), (0.5 * h, 2.0, h), (h, 1.0, 0.0)] {
+            self.state.rates(after, &self.at, &mut self.rate)?;
             for k in 0..self.at.len() {
                 self.sum[k] += weight * self.rate[k];
                 self.at[k] = self.state.y[k] + reach * self.rate[k];

@@ -16,6 +16,7 @@ use super::Model;
 use super::model::Link;
 use super::place::{Place, relative_twist};
 use super::spatial::{Elimination, Inertia, Spatial};
+use super::springs::Seen;
 
 /// A link in the course of the recursion.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ struct Node {
 pub struct Articulated {
     model: Model,
     nodes: Vec<Node>,
+    /// The joint points, m, world, where springs between points need them.
+    origins: Vec<Vector3<f64>>,
 }
 
 impl Articulated {
@@ -47,25 +50,29 @@ impl Articulated {
             inertia: Inertia::ZERO,
             elimination: Elimination::new(link.kind),
         };
-        Articulated { nodes: model.links.iter().map(node).collect(), model }
+        let origins = vec![Vector3::zeros(); if model.springs.is_empty() { 0 } else { model.links.len() }];
+        Articulated { nodes: model.links.iter().map(node).collect(), origins, model }
     }
 
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// Accelerations of the joint coordinates under gravity, dampers and springs. `None` where a joint can move without moving any
-    /// mass, or the state is not a number.
-    pub fn accelerations(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+    /// Accelerations of the joint coordinates under gravity, dampers, springs and drives at a time in s. `None` where a
+    /// joint can move without moving any mass, or the state is not a number.
+    pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         for i in 0..self.nodes.len() {
             self.place(i, q, v);
+        }
+        if !self.model.springs.is_empty() {
+            self.pull();
         }
         for i in (0..self.nodes.len()).rev() {
             let link = &self.model.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
             let node = &mut rest[0];
             let rhs = &mut out[link.velocity..link.velocity + link.kind.degrees_of_freedom()];
-            self.model.efforts(link, q, v, rhs);
+            self.model.efforts(link, time, q, v, rhs);
             let needed = node.needed + node.inertia.times(&node.motion);
             node.elimination.eliminate(link.kind, &node.place.r, &mut node.inertia)?;
             let passed = node.elimination.inward(rhs, &needed);
@@ -82,6 +89,23 @@ impl Articulated {
             node.motion += node.elimination.outward(&mut out[link.velocity..], &carried);
         }
         Some(())
+    }
+
+    /// Takes what springs between points exert off the wrenches that the links need.
+    fn pull(&mut self) {
+        for (i, link) in self.model.links.iter().enumerate() {
+            let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
+            self.origins[i] = above + self.nodes[i].place.offset;
+        }
+        for spring in &self.model.springs {
+            let (nodes, origins) = (&self.nodes, &self.origins);
+            let seen = |i: usize| Seen { r: nodes[i].place.r, origin: origins[i], twist: nodes[i].twist };
+            for (link, wrench) in spring.wrenches(seen) {
+                if let Some(i) = link {
+                    self.nodes[i].needed += wrench.scaled(-1.0);
+                }
+            }
+        }
     }
 
     #[inline(always)]

@@ -16,8 +16,9 @@
 //! next correction would be lost in roundoff; `q` and `p` are compensated sums.
 //!
 //! Symplectic, time-reversible, of order `2 s`; keeps joints exactly and momenta that are bilinear in `q` and `p`, among
-//! them the angular momentum of a free body; does not conserve energy, whose error stays bounded. Joint damping enters by the
-//! Lagrange-d'Alembert principle.
+//! them the angular momentum of a free body; does not conserve energy, whose error stays bounded. Springs between points add to
+//! the potential, and drives a potential `-f(t) q` at the times of the stages. Damping, in joints and beside springs, enters by
+//! the Lagrange-d'Alembert principle.
 
 use super::gauss::Gauss;
 use super::hamiltonian::{Point, along_velocities, canonical, momentum_rates};
@@ -44,6 +45,9 @@ pub enum Failure {
 pub struct Galerkin {
     model: Model,
     gauss: Gauss,
+    /// s
+    step: f64,
+    taken: u64,
     /// `h b_j`, and `1 / energy scale`.
     steps: Vec<f64>,
     over_scale: f64,
@@ -66,6 +70,8 @@ pub struct Galerkin {
 #[derive(Clone, Debug)]
 struct Stage {
     point: Point,
+    /// s
+    time: f64,
     q: Vec<f64>,
     p: Vec<f64>,
     u: Vec<f64>,
@@ -78,6 +84,7 @@ impl Stage {
         let (positions, velocities) = (|| vec![0.0; model.positions], || vec![0.0; model.velocities]);
         Stage {
             point: Point::new(model),
+            time: 0.0,
             q: positions(),
             p: positions(),
             u: velocities(),
@@ -93,7 +100,7 @@ impl Stage {
     }
 
     fn evaluate(&mut self, model: &Model) {
-        self.point.evaluate(model, &self.q, &self.u, &mut self.m, &mut self.force);
+        self.point.evaluate(model, self.time, &self.q, &self.u, &mut self.m, &mut self.force);
     }
 
     /// `h b pdot`
@@ -113,10 +120,12 @@ impl Galerkin {
         let (q, u) = model.initial();
         let mut end = Point::new(&model);
         let (mut m, mut force, mut p) = (vec![0.0; u.len()], vec![0.0; u.len()], vec![0.0; q.len()]);
-        end.evaluate(&model, &q, &u, &mut m, &mut force);
+        end.evaluate(&model, 0.0, &q, &u, &mut m, &mut force);
         end.factorise(&model).ok_or(Failure::Singular)?;
         canonical(&model, &q, &m, &mut p);
         Ok(Galerkin {
+            step,
+            taken: 0,
             steps: step_weights(&gauss, step),
             over_scale: 1.0 / energy_scale,
             stages: vec![Stage::new(&model); stages],
@@ -151,8 +160,9 @@ impl Galerkin {
         self.p.advance();
         self.before.copy_from_slice(&self.u);
         along_velocities(&self.model, &self.q.value, &self.p.value, &mut self.right);
-        let last = &mut self.stages[0];
-        self.end.evaluate(&self.model, &self.q.value, &self.u, &mut last.m, &mut last.force);
+        self.taken += 1;
+        let (last, time) = (&mut self.stages[0], self.taken as f64 * self.step);
+        self.end.evaluate(&self.model, time, &self.q.value, &self.u, &mut last.m, &mut last.force);
         self.end.factorise(&self.model).ok_or(Failure::Singular)?;
         self.end.solve(&self.model, &mut self.right);
         self.u.copy_from_slice(&self.right);
@@ -184,6 +194,7 @@ impl Galerkin {
         for (i, stage) in self.stages.iter_mut().enumerate() {
             self.history.extrapolate(i, &mut stage.u);
             stage.q.copy_from_slice(&self.q.value);
+            stage.time = (self.taken as f64 + self.gauss.nodes[i]) * self.step;
         }
         for _ in 0..=self.model.turns() {
             self.place_stages();

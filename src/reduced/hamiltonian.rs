@@ -8,12 +8,13 @@
 //! rotations (Betsch and Siebert 2009 for the equations; Hairer, Lubich and Wanner 2006, theorem IV.2.1 for the invariants).
 //!
 //! With the velocities `u` in link axes, the momentum `P`, `L` of the links beyond a joint about its joint point, moving with
-//! `v` and turning with `omega`, and the moment `N` and force `F` of gravity on them, the equations are
+//! `v` and turning with `omega`, the moment `N` and force `F` of gravity and of springs between points on them, and the effort
+//! `f(t)` of drives, the equations are
 //!
 //! ```text
 //! m = S^T (P, L) = H(q) u
-//! pdot = n . (L x omega_parent + P x v + N) - k (q - rest) - c u      angle about n
-//! pdot = n . (P x omega_parent + F) - k (q - rest) - c u              length along n
+//! pdot = n . (L x omega_parent + P x v + N) - k (q - rest) + f(t) - c u   angle about n
+//! pdot = n . (P x omega_parent + F) - k (q - rest) + f(t) - c u           length along n
 //! qdot = 1/2 q u ,   pdot = 1/2 p u + 2 q tau / |q|^2 ,    quaternion,
 //! tau  = L x omega_parent + P x v + N - c u   in link axes .
 //! ```
@@ -23,6 +24,7 @@ use nalgebra::{Matrix3, Quaternion, Vector3};
 use super::Model;
 use super::place::{Place, relative_twist};
 use super::spatial::{Elimination, Inertia, Spatial};
+use super::springs::Seen;
 use crate::mechanics::JointKind;
 
 /// The equations at one point of the phase space.
@@ -34,6 +36,9 @@ pub(super) struct Point {
     momenta: Vec<Spatial>,
     /// First moment of these links about it.
     moments: Vec<Vector3<f64>>,
+    /// Joint points, m, world, and what springs between points exert on the links beyond about them; empty without any.
+    origins: Vec<Vector3<f64>>,
+    loads: Vec<Spatial>,
     /// The mass matrix, factorised where `factorise` was called last.
     inertias: Vec<Inertia>,
     eliminations: Vec<Elimination>,
@@ -44,11 +49,14 @@ pub(super) struct Point {
 impl Point {
     pub(super) fn new(model: &Model) -> Point {
         let n = model.links.len();
+        let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
             places: vec![Place::GROUND; n],
             twists: vec![Spatial::ZERO; n],
             momenta: vec![Spatial::ZERO; n],
             moments: vec![Vector3::zeros(); n],
+            origins: vec![Vector3::zeros(); sprung],
+            loads: vec![Spatial::ZERO; sprung],
             inertias: vec![Inertia::ZERO; n],
             eliminations: model.links.iter().map(|link| Elimination::new(link.kind)).collect(),
             offsets: vec![Vector3::zeros(); n],
@@ -56,9 +64,17 @@ impl Point {
         }
     }
 
-    /// Momentum `m = H(q) u` and force of every joint, both along its velocities: what `pdot` has beside the turning of a
+    /// Momentum `m = H(q) u` and force of every joint at a time in s, both along its velocities: what `pdot` has beside the turning of a
     /// quaternion. Lengths of planar and free joints have their force in the axes of the joint frame in the parent.
-    pub(super) fn evaluate(&mut self, model: &Model, q: &[f64], u: &[f64], m: &mut [f64], force: &mut [f64]) {
+    pub(super) fn evaluate(
+        &mut self,
+        model: &Model,
+        time: f64,
+        q: &[f64],
+        u: &[f64],
+        m: &mut [f64],
+        force: &mut [f64],
+    ) {
         for (i, link) in model.links.iter().enumerate() {
             let (r, above) = match link.parent {
                 Some(p) => (self.places[p].r, self.twists[p]),
@@ -72,14 +88,19 @@ impl Point {
                 Spatial::new(twist.lin * link.mass + twist.ang.cross(&moment), turning + moment.cross(&twist.lin));
             (self.places[i], self.twists[i], self.moments[i]) = (place, twist, moment);
         }
+        if !model.springs.is_empty() {
+            self.pull(model);
+        }
         for (i, link) in model.links.iter().enumerate().rev() {
             let d = &self.places[i].offset;
             let Spatial { lin: p, ang: l } = self.momenta[i];
             let (r, twist, moment) = (&self.places[i].r, &self.twists[i], self.moments[i]);
             let above = link.parent.map_or(Vector3::zeros(), |p| self.twists[p].ang);
-            let pulled = || p.cross(&above) + model.gravity * link.mass_beyond;
-            let swung = |omega: &Vector3<f64>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&model.gravity);
-            let held = |u: f64| link.spring_effort - link.stiffness * q[link.position] - link.damping * u;
+            let load = self.loads.get(i).copied().unwrap_or(Spatial::ZERO);
+            let pulled = || p.cross(&above) + model.gravity * link.mass_beyond + load.lin;
+            let swung =
+                |omega: &Vector3<f64>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&model.gravity) + load.ang;
+            let held = |u: f64| link.held(time, q[link.position]) - link.damping * u;
             let u = &u[link.velocity..];
             let (m, force) = (&mut m[link.velocity..], &mut force[link.velocity..]);
             match link.kind {
@@ -117,6 +138,26 @@ impl Point {
                 self.momenta[parent] += carried;
                 let carried = moment + d * link.mass_beyond;
                 self.moments[parent] += carried;
+                if let Some(above) = self.loads.get_mut(parent) {
+                    *above += load.wrench_from(d);
+                }
+            }
+        }
+    }
+
+    /// Leaves what springs between points exert on each link in `loads`.
+    fn pull(&mut self, model: &Model) {
+        for (i, link) in model.links.iter().enumerate() {
+            let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
+            self.origins[i] = above + self.places[i].offset;
+        }
+        self.loads.fill(Spatial::ZERO);
+        for spring in &model.springs {
+            let seen = |i: usize| Seen { r: self.places[i].r, origin: self.origins[i], twist: self.twists[i] };
+            for (link, wrench) in spring.wrenches(seen) {
+                if let Some(i) = link {
+                    self.loads[i] += wrench;
+                }
             }
         }
     }

@@ -1,10 +1,10 @@
-//! The equations of motion in joint coordinates, on trees: constraints hold by construction.
+//! The equations of motion in joint coordinates: the joints of the tree hold by construction.
 //!
 //! [`Model`] lists the links with positions `q` (angles and lengths; unit quaternions for ball and free joints) and
 //! velocities `v`. Three formulations of its dynamics stand side by side; none shares code with the variational core.
 //!
 //! - [`recursive`]: mass matrix and bias force in link axes, `H(q) a + b(q, v) = tau`, solved as a dense system. The
-//!   reference rests on it, and it shares nothing but the model with the other two.
+//!   reference rests on it, and it shares nothing but the model with the other two. It alone holds loops and mimic joints.
 //! - [`articulated`]: accelerations by the articulated-body recursion in world axes, O(n), for the fixed-step and adaptive
 //!   methods that a careful user would take instead of a constrained integrator.
 //! - [`galerkin`]: the Galerkin variational integrator on Hamilton's equations, O(n).
@@ -14,9 +14,11 @@ mod compensated;
 pub mod galerkin;
 mod gauss;
 mod hamiltonian;
+mod loops;
 mod model;
 mod place;
 pub mod recursive;
 mod spatial;
+mod springs;
 
 pub use model::{Link, Model};

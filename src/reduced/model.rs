@@ -2,8 +2,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::loops::Closure;
+use super::springs::Spring;
 use crate::mechanics::coordinates::JointCoordinates;
-use crate::mechanics::{BodyState, JointKind, State, System};
+use crate::mechanics::{BodyState, Coupling, Drive, JointKind, State, System};
 
 /// A body seen from its *link frame*, which is the joint frame fixed in the child. Constant over a run.
 #[derive(Clone, Debug)]
@@ -29,12 +31,14 @@ pub struct Link {
     /// Springs in a joint of one coordinate: the effort is `spring_effort - stiffness q`, in N m/rad and N m, or N/m and N.
     pub stiffness: f64,
     pub spring_effort: f64,
+    /// In a joint of one coordinate.
+    pub drives: Vec<Drive>,
     /// First position and first velocity of the joint.
     pub position: usize,
     pub velocity: usize,
 }
 
-/// A tree of links in joint coordinates, with dampers and springs in the joints.
+/// A tree of links in joint coordinates, with dampers, springs and drives in the joints and springs between points.
 ///
 /// Positions of a joint: the angle or length; for `Planar` x, y and the angle; for `Spherical` a quaternion
 /// `(x, y, z, w)`; for `Floating` the position, then a quaternion. Velocities are the free components of the relative
@@ -43,6 +47,13 @@ pub struct Link {
 #[derive(Clone, Debug)]
 pub struct Model {
     pub links: Vec<Link>,
+    /// Between points of the links.
+    pub springs: Vec<Spring>,
+    /// What closes loops, and which joints follow others.
+    pub closures: Vec<Closure>,
+    pub couplings: Vec<Coupling>,
+    /// Independent rows of these where the system starts.
+    pub rank: usize,
     /// m/s^2, world
     pub gravity: Vector3<f64>,
     /// Number of positions and of velocities.
@@ -58,6 +69,15 @@ const fn positions_of(kind: JointKind) -> usize {
         JointKind::Planar => 3,
         JointKind::Spherical => 4,
         JointKind::Floating => 7,
+    }
+}
+
+impl Link {
+    /// What springs and drives exert in a joint of one coordinate `q` at a time in s.
+    #[inline(always)]
+    pub(super) fn held(&self, time: f64, q: f64) -> f64 {
+        let driven: f64 = self.drives.iter().map(|drive| drive.at(time)).sum();
+        self.spring_effort - self.stiffness * q + driven
     }
 }
 
@@ -88,6 +108,7 @@ impl Model {
                 damping: joint.damping,
                 stiffness: 0.0,
                 spring_effort: 0.0,
+                drives: Vec::new(),
                 position: positions,
                 velocity: velocities,
             });
@@ -100,23 +121,36 @@ impl Model {
             link.spring_effort += spring.stiffness * spring.rest;
             link.damping += spring.damping;
         }
+        for drive in &system.parts.drives {
+            links[drive.body].drives.push(drive.clone());
+        }
         for i in (0..links.len()).rev() {
             if let Some(p) = links[i].parent {
                 links[p].mass_beyond += links[i].mass_beyond;
             }
         }
-        Model { links, gravity: system.gravity, positions, velocities, initial: system.initial_coordinates.clone() }
+        Model {
+            springs: system.parts.point_springs.iter().map(|spring| Spring::new(spring, &links)).collect(),
+            closures: system.parts.loops.iter().map(|closure| Closure::new(closure, &links)).collect(),
+            couplings: system.parts.couplings.clone(),
+            rank: system.mobility.rank,
+            links,
+            gravity: system.gravity,
+            positions,
+            velocities,
+            initial: system.initial_coordinates.clone(),
+        }
     }
 
-    /// What dampers and springs exert along the velocities of a joint.
+    /// What dampers, springs and drives exert along the velocities of a joint at a time in s.
     #[inline(always)]
-    pub(super) fn efforts(&self, link: &Link, q: &[f64], v: &[f64], out: &mut [f64]) {
+    pub(super) fn efforts(&self, link: &Link, time: f64, q: &[f64], v: &[f64], out: &mut [f64]) {
         let freedoms = link.velocity..link.velocity + link.kind.degrees_of_freedom();
         for (out, v) in out.iter_mut().zip(&v[freedoms]) {
             *out = -link.damping * v;
         }
         if let JointKind::Revolute | JointKind::Prismatic = link.kind {
-            out[0] += link.spring_effort - link.stiffness * q[link.position];
+            out[0] += link.held(time, q[link.position]);
         }
     }
 

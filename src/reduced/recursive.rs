@@ -12,6 +12,8 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::Model;
+use super::loops::Loops;
+use super::springs::End;
 
 /// A twist (linear, angular) at the origin of a link frame, or a wrench (force, torque) about it, in link axes.
 type Pair = (Vector3<f64>, Vector3<f64>);
@@ -58,9 +60,12 @@ pub struct Dynamics {
     twists: Vec<Pair>,
     accelerations: Vec<Pair>,
     wrenches: Vec<Pair>,
+    /// Axes and origin of each link frame in the world, where springs between points need them.
+    world: Vec<(Matrix3<f64>, Vector3<f64>)>,
     composites: Vec<Rigid>,
     mass: DMatrix<f64>,
     force: DVector<f64>,
+    loops: Option<Loops>,
 }
 
 impl Dynamics {
@@ -72,9 +77,11 @@ impl Dynamics {
             twists: vec![zero; n],
             accelerations: vec![zero; n],
             wrenches: vec![zero; n],
+            world: vec![(Matrix3::identity(), Vector3::zeros()); if model.springs.is_empty() { 0 } else { n }],
             composites: vec![rigid; n],
             mass: DMatrix::zeros(model.velocities, model.velocities),
             force: DVector::zeros(model.velocities),
+            loops: Loops::new(&model),
             model,
         }
     }
@@ -90,11 +97,12 @@ impl Dynamics {
         }
     }
 
-    /// Joint forces that give the accelerations `a` at the positions and velocities given: inverse dynamics. Dampers
-    /// and springs are not part of them.
+    /// Joint forces that give the accelerations `a` at the positions and velocities given: inverse dynamics. Dampers,
+    /// springs and drives are not part of them.
     pub fn inverse(&mut self, q: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
         self.place(q);
         self.newton_euler(v, Some(a));
+        self.sum_wrenches();
         out.copy_from_slice(self.force.as_slice());
     }
 
@@ -105,28 +113,57 @@ impl Dynamics {
         &self.mass
     }
 
-    /// Accelerations of the joint coordinates under gravity, dampers and springs: `H a = tau - b`. `None` where the mass matrix is
-    /// not positive definite or not a number.
-    pub fn accelerations(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
+    /// Accelerations of the joint coordinates under gravity, dampers, springs and drives at a time in s: `H a = tau - b`.
+    /// Loops and mimic joints add the least `J^T lambda` that holds them. `None` where the mass matrix is not positive definite
+    /// or not a number, or a loop where its path may fork.
+    pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         self.place(q);
         self.newton_euler(v, None);
+        self.pull();
+        self.sum_wrenches();
         self.composite_bodies();
         self.force.neg_mut();
         for link in &self.model.links {
             let mut efforts = [0.0; 6];
             let freedoms = link.kind.degrees_of_freedom();
-            self.model.efforts(link, q, v, &mut efforts[..freedoms]);
+            self.model.efforts(link, time, q, v, &mut efforts[..freedoms]);
             for (k, effort) in efforts[..freedoms].iter().enumerate() {
                 self.force[link.velocity + k] += effort;
             }
         }
         let factor = self.mass.clone().cholesky()?;
         factor.solve_mut(&mut self.force);
+        if let Some(loops) = &mut self.loops {
+            loops.evaluate(&self.model, q, v);
+            self.force += loops.least(factor.l_dirty(), &loops.acceleration_gap(&self.force))?;
+        }
         out.copy_from_slice(self.force.as_slice());
         Some(())
     }
 
-    /// Leaves the joint forces in `force`.
+    /// Takes positions and velocities back to `phi(q) = 0`, `J v = 0`, by one Gauss-Newton step of the positions: what is
+    /// taken back is of the size of a step's error, and its square is below roundoff. Both changes are the least in the
+    /// metric of the mass matrix. Returns the loop that stays farthest open, and by how much (m or rad); `None` where
+    /// [`accelerations`](Self::accelerations) has none.
+    pub fn project(&mut self, q: &mut [f64], v: &mut [f64]) -> Option<(String, f64)> {
+        if self.loops.is_none() {
+            return Some((String::new(), 0.0));
+        }
+        self.place(q);
+        self.composite_bodies();
+        let factor = self.mass.clone().cholesky()?;
+        let loops = self.loops.as_mut()?;
+        loops.evaluate(&self.model, q, v);
+        let change = loops.least(factor.l_dirty(), &-&loops.open)?;
+        self.model.advance(q, change.as_slice(), 1.0);
+        self.model.normalise(q);
+        loops.evaluate(&self.model, q, v);
+        let change = loops.least(factor.l_dirty(), &loops.velocity_gap(v))?;
+        v.iter_mut().zip(&change).for_each(|(v, change)| *v += change);
+        Some(loops.widest())
+    }
+
+    /// Leaves the wrench that each link needs by itself in `wrenches`.
     fn newton_euler(&mut self, v: &[f64], a: Option<&[f64]>) {
         let zero = (Vector3::zeros(), Vector3::zeros());
         for i in 0..self.model.links.len() {
@@ -154,6 +191,40 @@ impl Dynamics {
             );
             (self.twists[i], self.accelerations[i]) = (twist, acceleration);
         }
+    }
+
+    /// Takes what springs between points exert off the wrenches that the links need.
+    fn pull(&mut self) {
+        if self.model.springs.is_empty() {
+            return;
+        }
+        let ground = (Matrix3::identity(), Vector3::zeros());
+        for (i, link) in self.model.links.iter().enumerate() {
+            let (above, (r, at)) = (link.parent.map_or(ground, |p| self.world[p]), &self.places[i]);
+            self.world[i] = (above.0 * r, above.0 * at + above.1);
+        }
+        for spring in &self.model.springs {
+            let place = |end: &End| match end.link {
+                Some(i) => {
+                    let ((r, at), (lin, ang)) = (&self.world[i], &self.twists[i]);
+                    (r * end.point + at, r * (lin + ang.cross(&end.point)))
+                }
+                None => (end.point, Vector3::zeros()),
+            };
+            let ((from, from_rate), (to, to_rate)) = (place(&spring.from), place(&spring.to));
+            let force = spring.pull(&(to - from), &(to_rate - from_rate));
+            for (end, force) in [(&spring.from, force), (&spring.to, -force)] {
+                if let Some(i) = end.link {
+                    let force = self.world[i].0.tr_mul(&force);
+                    self.wrenches[i].0 -= force;
+                    self.wrenches[i].1 -= end.point.cross(&force);
+                }
+            }
+        }
+    }
+
+    /// Sums the wrenches towards the root and leaves the joint forces in `force`.
+    fn sum_wrenches(&mut self) {
         for i in (0..self.model.links.len()).rev() {
             let (f, tau) = self.wrenches[i];
             self.write_along(i, &(f, tau), |force, k, value| force[k] = value);

@@ -51,7 +51,7 @@ pub(super) struct Bond {
     gap0: Twist,
     /// The way from a spring's first point to its second, m.
     span: Vector3<f64>,
-    /// Of a spring the distance, m; of a coupling what it is open by, rad or m.
+    /// Of a spring how far it is stretched, m; of a coupling what it is open by, rad or m.
     length: Compensated<1>,
     /// Change of `length` over the step that is being tried.
     change: f64,
@@ -147,9 +147,10 @@ impl Bond {
         }
     }
 
-    /// Takes the distance of a spring from the positions, before the first step.
+    /// Takes the stretch of a spring from the positions, before the first step. It is summed up and not the distance, whose
+    /// roundoff would be a force of a stiff spring.
     pub(super) fn start(&mut self) {
-        self.length = Compensated::new(SVector::from([self.span.norm()]));
+        self.length = Compensated::new(SVector::from([self.stretch()]));
     }
 
     /// Places the bond in a configuration and writes its rows there. `back` is the part of a mismatch that one step
@@ -274,13 +275,13 @@ impl Bond {
                 gap[0] = self.change + self.gap0.linear.x;
                 follower.abs() + (multiplier * followed).abs()
             }
-            Kind::Spring { stiffness, damping, rest, .. } => {
+            Kind::Spring { stiffness, damping, .. } => {
                 let moved = (child.dx - parent.dx) + (child.turned(&self.arm) - parent.turned(&self.parent_arm));
                 let span = self.span;
                 let (before, after) = (span.norm(), (span + moved).norm());
                 let sum = before + after;
                 self.change = if sum > 0.0 { (2.0 * span.dot(&moved) + moved.norm_squared()) / sum } else { 0.0 };
-                let stretch = self.length.value.x + 0.5 * self.change - rest;
+                let stretch = self.length.value.x + 0.5 * self.change;
                 let short = nu[0] + 0.5 * h * stiffness * stretch + 0.5 * damping * self.change;
                 gap[0] = short / self.kappa(h);
                 let force = (nu[0] / self.kappa(h)).abs();
@@ -324,9 +325,22 @@ impl Bond {
         }
     }
 
+    /// By how much a spring's points are farther apart than at rest, from the positions, m.
+    fn stretch(&self) -> f64 {
+        match self.kind {
+            Kind::Spring { rest, .. } => self.span.norm() - rest,
+            _ => 0.0,
+        }
+    }
+
+    /// How fast a spring gets longer over the step that is being tried, m/s.
+    pub(super) fn rate(&self, h: f64) -> f64 {
+        self.change / h
+    }
+
     /// Takes over what the accepted step has changed.
     pub(super) fn accept(&mut self, back: f64) {
-        let correction = if self.is_spring() { back * (self.span.norm() - self.length.value.x) } else { 0.0 };
+        let correction = if self.is_spring() { back * (self.stretch() - self.length.value.x) } else { 0.0 };
         self.length.add(&SVector::from([self.change + correction]));
     }
 

@@ -10,10 +10,10 @@ mod common;
 use common::*;
 use nalgebra::{DMatrix, DVector};
 use rattlebench::measure::structure::PhaseChart;
-use rattlebench::mechanics::{State, System};
+use rattlebench::mechanics::{State, System, energy};
 use rattlebench::model::Scene;
-use rattlebench::variational::composition::{self, Composition};
 use rattlebench::variational::Rattle;
+use rattlebench::variational::composition::{self, Composition};
 
 /// s
 const STEP: f64 = 5e-3;
@@ -169,18 +169,26 @@ fn slowed(system: &System) -> State {
 
 #[test]
 fn one_step_of_a_linkage_is_symplectic() {
-    for (name, freedoms, reach) in [("four_bar", 1, 2e-3), ("slider_crank", 1, 2e-3), ("bricard", 1, 2e-3), ("ladder", 10, 1e-3), ("ladder", 10, 5e-4), ("ladder", 10, 2.5e-4)] {
+    // measured at most 6.2e-12 with one degree of freedom, 2.9e-10 with ten
+    let cases = [
+        ("four_bar", 1, 2e-3, 2e-11),
+        ("slider_crank", 1, 2e-3, 2e-11),
+        ("bricard", 1, 2e-3, 2e-11),
+        ("ladder", 10, 5e-4, 8e-10),
+    ];
+    for (name, freedoms, reach, bound) in cases {
         let system = shipped(name);
         assert_eq!(system.degrees_of_freedom(), freedoms);
         let state = steps(&system, &composition::ORDER_8, STEP, 60);
+        assert!(energy::energy(&system, &state).kinetic > 1e-3 * system.energy_scale, "{name} moves");
         let few = if freedoms > 1 { 1 } else { composition::ALL.len() };
         for composition in &composition::ALL[..few] {
             let found = defect(&system, &state, reach, &|from| steps(from, composition, STEP, 1));
-            println!("{name} {reach} order {}: {found:e}", composition.order);
-            assert!(found <= 1e-6, "{name}: {found:e}");
+            println!("{name} order {}: {found:e}", composition.order);
+            assert!(found <= bound, "{name}: {found:e}");
         }
+        // Negative control, measured 1.0e-4 on all.
         let control = defect(&system, &state, reach, &slowed);
-        println!("{name} slowed: {control:e}");
-        assert!((5e-5..2e-3).contains(&control), "{name}: {control:e}");
+        assert!((5e-5..2e-4).contains(&control), "{name}: {control:e}");
     }
 }

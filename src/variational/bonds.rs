@@ -9,7 +9,9 @@
 //! ```
 //!
 //! which is a row with the compliance `1 / (kappa h)`, `kappa = h k / 4 + c / 2`: a stiff spring costs what a soft one
-//! costs and tends to a rod. Distances and couplings are running sums of their changes over the steps; what a change is
+//! costs and tends to a rod. Where its points coincide it has no direction and does not pull; and a spring so stiff and so
+//! far stretched that without it the points would pass each other within a step may settle on the other side, which solves
+//! the same equation. Distances and couplings are running sums of their changes over the steps; what a change is
 //! follows from the motions of the bodies, so that small steps do not cancel.
 
 use nalgebra::{Matrix3, SVector, Vector3};
@@ -95,7 +97,8 @@ pub(super) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond> {
         let kind = Kind::Coupling { source: coupling.source + 1, multiplier: coupling.multiplier };
         (kind, coupling.follower + 1, nodes[coupling.follower + 1].parent, 1)
     });
-    let springs = parts.point_springs.iter().map(|spring| {
+    let springs = parts.point_springs.iter().filter(|spring| spring.stiffness > 0.0 || spring.damping > 0.0);
+    let springs = springs.map(|spring| {
         let kind = Kind::Spring {
             from: spring.from.point,
             to: spring.to.point,
@@ -259,9 +262,7 @@ impl Bond {
                         Slot::Angular => axis.dot(&twist.angular),
                     };
                 }
-                let pull = nu.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-                let mass = nodes[self.child].mass.min(nodes[self.parent].mass);
-                if mass > 0.0 { pull * h.abs() / mass } else { 0.0 }
+                self.moved_by(nu, h, nodes)
             }
             Kind::Coupling { source, multiplier } => {
                 let travel = |node: usize| {
@@ -285,7 +286,7 @@ impl Bond {
                 let short = nu[0] + 0.5 * h * stiffness * stretch + 0.5 * damping * self.change;
                 gap[0] = short / self.kappa(h);
                 let force = (nu[0] / self.kappa(h)).abs();
-                force + stretch.abs() + moved.norm()
+                force + stretch.abs() + moved.norm() + self.moved_by(nu, h, nodes)
             }
         }
     }
@@ -323,6 +324,14 @@ impl Bond {
                 Slot::Angular => axis.dot(&bias.angular),
             };
         }
+    }
+
+    /// How far the impulses move the lighter body in a step, m: a stiff pull and the momentum that it turns round cancel.
+    fn moved_by(&self, nu: &[f64], h: f64, nodes: &[Node]) -> f64 {
+        let pull = nu.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let mass = [self.child, self.parent].map(|i| nodes[i].mass).into_iter().filter(|m| *m > 0.0);
+        let lightest = mass.fold(f64::INFINITY, f64::min);
+        pull * h.abs() / lightest
     }
 
     /// By how much a spring's points are farther apart than at rest, from the positions, m.

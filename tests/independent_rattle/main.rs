@@ -80,12 +80,7 @@ fn difference(system: &System, h: f64, other: &Other) -> Difference {
 const USUAL: Range<f64> = -3.0..-2.0;
 
 /// Runs a check on random systems, always the same ones, with steps of `10^exponent` s.
-fn on_random(
-    systems: &impl Strategy<Value = System>,
-    cases: u32,
-    exponents: Range<f64>,
-    check: impl Fn(&System, f64),
-) {
+fn on_random(systems: &impl Strategy<Value = System>, cases: u32, exponents: Range<f64>, check: impl Fn(&System, f64)) {
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 0, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     runner

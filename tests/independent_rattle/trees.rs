@@ -68,8 +68,8 @@ pub fn tree() -> impl Strategy<Value = System> {
 /// the velocities are not yet consistent with it.
 pub fn linkage() -> impl Strategy<Value = System> {
     let closure = (prop::sample::select(&LOOPS), any::<prop::sample::Index>(), any::<prop::sample::Index>(), frame());
-    (tree().prop_filter("two bodies", |system| system.bodies.len() > 1), prop::collection::vec(closure, 1..=2)).prop_map(
-        |(mut system, closures)| {
+    (tree().prop_filter("two bodies", |system| system.bodies.len() > 1), prop::collection::vec(closure, 1..=2))
+        .prop_map(|(mut system, closures)| {
             for (kind, child, parent, in_child) in closures {
                 let n = system.bodies.len();
                 let child = child.index(n);
@@ -85,8 +85,7 @@ pub fn linkage() -> impl Strategy<Value = System> {
                 system.parts.loops.push(Closure { name, kind, parent, child: Some(child), in_parent, in_child });
             }
             system
-        },
-    )
+        })
 }
 
 /// A step of `10^exponent` s, forward or, as in the compositions of high order, backward.

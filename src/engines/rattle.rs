@@ -4,7 +4,7 @@ use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
 use crate::mechanics::{Body, Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
-use crate::variational::{Failure, Lobatto, Method, Rattle, Rotation};
+use crate::variational::{Failure, Fault, Lobatto, Method, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -44,13 +44,30 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    Ok(Box::new(engine(spec, system, step)?))
+}
+
+/// An engine `rattle` with a planted fault, for tests of what checks catch.
+///
+/// # Errors
+/// As [`super::build`].
+pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<Box<dyn Engine>, Unsupported> {
+    let sound = engine(spec, system, step)?;
+    let core = match sound.core {
+        Core::Rattle(rattle) => Core::Rattle(rattle.with_fault(fault)),
+        Core::Lobatto(lobatto) => Core::Lobatto(lobatto),
+    };
+    Ok(Box::new(RattleEngine { core, ..sound }))
+}
+
+fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsupported> {
     let unsupported = |what: String| Unsupported { engine: spec.to_string(), what };
     let order = spec.word(&ORDER);
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
-    Ok(Box::new(RattleEngine {
+    Ok(RattleEngine {
         core,
         substeps: composition.weights().map(|w| w * step).collect(),
         step,
@@ -58,7 +75,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
         names: Names::of(system),
         before: system.initial.clone(),
         failed: false,
-    }))
+    })
 }
 
 /// Whether the settings go together, and with what the system has.

@@ -2,13 +2,17 @@
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
-//! body turns by a rule of [`rotation`]; [`composition`] raises the order.
+//! body turns by a rule of [`rotation`]; [`composition`] raises the order. Loops, couplings and springs between points are
+//! rows across the tree, whose Schur complement is factorised with its rank revealed; springs, dampers and drives of the joints
+//! enter the recursion itself.
 
 mod attitude;
 mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+#[doc(hidden)]
+pub mod fault;
 mod forces;
 mod free_body;
 mod joints;
@@ -25,6 +29,8 @@ mod spatial;
 mod tableau;
 mod tree;
 
+#[doc(hidden)]
+pub use fault::Fault;
 pub use lobatto::Lobatto;
 pub use method::Method;
 pub use rattle::{Failure, Rattle};

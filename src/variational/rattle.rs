@@ -25,12 +25,14 @@
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
+mod faults;
 mod light;
 
 use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::bonds::Trying;
 use super::compensated::{Compensated, Compensated3};
+use super::fault::Fault;
 use super::forces::{JointForce, joint_forces};
 use super::joints::{Motion, Moved, Node, Place, Pose, coordinates_of, keep_locked, mismatch, nodes};
 use super::loops::{Loops, StepEnergy, Worst};
@@ -145,6 +147,9 @@ pub struct Rattle {
     length: f64,
     /// The residual at which the constraint iteration may stop, m; 0 for roundoff.
     tolerance: f64,
+    /// A planted fault, and the impulses that it carries over.
+    fault: Option<Fault>,
+    carried: Option<Vec<Wrench>>,
     /// Rounds of the constraint iteration since the start.
     rounds: u64,
 }
@@ -206,6 +211,8 @@ impl Rattle {
             time: Compensated::new(SVector::zeros()),
             length,
             tolerance: 0.0,
+            fault: None,
+            carried: None,
             rounds: 0,
             nodes,
         };
@@ -274,6 +281,9 @@ impl Rattle {
             body.q.add(&norm_defect(&body.q.value));
             *pose = Pose::new(body.x.value, body.q.value);
         }
+        if self.fault.is_some() {
+            self.do_wrong(h);
+        }
         self.factorise()?;
         self.project_momenta(h);
         self.time.add(&SVector::<f64, 1>::new(h));
@@ -329,7 +339,7 @@ impl Rattle {
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
     fn solve_constraints(&mut self, h: f64) -> Result<(), Failure> {
         // A high degree starts closer, a low one survives a violent moment.
-        let mut degree = self.predictor.degree();
+        let mut degree = self.predictor.degree().filter(|_| self.carried.is_none());
         loop {
             match degree {
                 Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
@@ -394,6 +404,10 @@ impl Rattle {
             self.rounds += 1;
             if last_round {
                 self.kick_and_drift(h)?;
+                // Springs, drives and loops keep what they measured for the second half kick.
+                if !self.forces.is_empty() {
+                    self.measure_mismatch(h);
+                }
                 self.measure_loops(h);
                 return self.refuse_false_solutions(h, rounds);
             }
@@ -411,6 +425,9 @@ impl Rattle {
         }
         if let Some(loops) = &self.loops {
             loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
+        }
+        if let Some(carried) = &self.carried {
+            self.trial.iter_mut().zip(carried).for_each(|(trial, impulse)| trial.kick += *impulse);
         }
         for i in 1..self.nodes.len() {
             let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);

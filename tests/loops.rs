@@ -348,3 +348,31 @@ fn the_motion_of_a_geared_pair_is_that_of_its_one_coordinate() {
     // measured 5e-13
     assert!(off <= 1.5e-12, "{off:e}");
 }
+
+#[test]
+fn the_gripper_stays_geared_and_the_plate_keeps_its_energy() {
+    for (name, freedoms) in [("gripper", 1), ("hung_plate", 6)] {
+        let system = shipped(name);
+        assert_eq!(system.degrees_of_freedom(), freedoms, "{name}");
+        let mut tracker = rattlebench::mechanics::coordinates::CoordinateTracker::new(&system);
+        let start = energy::energy_at_coordinates(&system, &system.initial, &tracker.joints).total();
+        let (mut state, mut kinetic) = (system.initial.clone(), 0.0_f64);
+        let mut rattle = Rattle::new(&system).unwrap();
+        let (mut worst, mut position, mut velocity) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for _ in 0..5000 {
+            rattle.step(1e-3).unwrap();
+            rattle.write_state(&mut state);
+            tracker.update(&system, &state, 1e-3);
+            let residual = constraint::residual_with_couplings(&system, &state, &tracker.joints);
+            let now = energy::energy_at_coordinates(&system, &state, &tracker.joints);
+            assert!(state.is_finite() && residual.velocity.is_finite());
+            (position, velocity) = (position.max(residual.position), velocity.max(residual.velocity));
+            worst = worst.max((now.total() - start).abs() / system.energy_scale);
+            kinetic = kinetic.max(now.kinetic);
+        }
+        println!("{name}: energy {worst:e}, position {position:e}, velocity {velocity:e}, kinetic {kinetic:e}");
+        assert!(kinetic > 0.05 * system.energy_scale, "{name} moves");
+        // measured 3.4e-5, 5.6e-16 m or rad and 2.7e-14 m/s or rad/s, all on the gripper
+        assert!(worst <= 8e-5 && position <= 1e-13 && velocity <= 1e-12, "{name}: {worst:e}");
+    }
+}

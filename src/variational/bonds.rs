@@ -9,7 +9,9 @@
 //! ```
 //!
 //! which is a row with the compliance `1 / (kappa h)`, `kappa = h k / 4 + c / 2`: a stiff spring costs what a soft one
-//! costs and tends to a rod. Distances and couplings are running sums of their changes over the steps; what a change is
+//! costs and tends to a rod. Where its points coincide it has no direction and does not pull; and a spring so stiff and so
+//! far stretched that without it the points would pass each other within a step may settle on the other side, which solves
+//! the same equation. Distances and couplings are running sums of their changes over the steps; what a change is
 //! follows from the motions of the bodies, so that small steps do not cancel.
 
 use nalgebra::{Matrix3, SVector, Vector3};
@@ -51,7 +53,7 @@ pub(super) struct Bond {
     gap0: Twist,
     /// The way from a spring's first point to its second, m.
     span: Vector3<f64>,
-    /// Of a spring the distance, m; of a coupling what it is open by, rad or m.
+    /// Of a spring how far it is stretched, m; of a coupling what it is open by, rad or m.
     length: Compensated<1>,
     /// Change of `length` over the step that is being tried.
     change: f64,
@@ -95,7 +97,8 @@ pub(super) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond> {
         let kind = Kind::Coupling { source: coupling.source + 1, multiplier: coupling.multiplier };
         (kind, coupling.follower + 1, nodes[coupling.follower + 1].parent, 1)
     });
-    let springs = parts.point_springs.iter().map(|spring| {
+    let springs = parts.point_springs.iter().filter(|spring| spring.stiffness > 0.0 || spring.damping > 0.0);
+    let springs = springs.map(|spring| {
         let kind = Kind::Spring {
             from: spring.from.point,
             to: spring.to.point,
@@ -147,9 +150,10 @@ impl Bond {
         }
     }
 
-    /// Takes the distance of a spring from the positions, before the first step.
+    /// Takes the stretch of a spring from the positions, before the first step. It is summed up and not the distance, whose
+    /// roundoff would be a force of a stiff spring.
     pub(super) fn start(&mut self) {
-        self.length = Compensated::new(SVector::from([self.span.norm()]));
+        self.length = Compensated::new(SVector::from([self.stretch()]));
     }
 
     /// Places the bond in a configuration and writes its rows there. `back` is the part of a mismatch that one step
@@ -258,9 +262,7 @@ impl Bond {
                         Slot::Angular => axis.dot(&twist.angular),
                     };
                 }
-                let pull = nu.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-                let mass = nodes[self.child].mass.min(nodes[self.parent].mass);
-                if mass > 0.0 { pull * h.abs() / mass } else { 0.0 }
+                self.moved_by(nu, h, nodes)
             }
             Kind::Coupling { source, multiplier } => {
                 let travel = |node: usize| {
@@ -274,17 +276,17 @@ impl Bond {
                 gap[0] = self.change + self.gap0.linear.x;
                 follower.abs() + (multiplier * followed).abs()
             }
-            Kind::Spring { stiffness, damping, rest, .. } => {
+            Kind::Spring { stiffness, damping, .. } => {
                 let moved = (child.dx - parent.dx) + (child.turned(&self.arm) - parent.turned(&self.parent_arm));
                 let span = self.span;
                 let (before, after) = (span.norm(), (span + moved).norm());
                 let sum = before + after;
                 self.change = if sum > 0.0 { (2.0 * span.dot(&moved) + moved.norm_squared()) / sum } else { 0.0 };
-                let stretch = self.length.value.x + 0.5 * self.change - rest;
+                let stretch = self.length.value.x + 0.5 * self.change;
                 let short = nu[0] + 0.5 * h * stiffness * stretch + 0.5 * damping * self.change;
                 gap[0] = short / self.kappa(h);
                 let force = (nu[0] / self.kappa(h)).abs();
-                force + stretch.abs() + moved.norm()
+                force + stretch.abs() + moved.norm() + self.moved_by(nu, h, nodes)
             }
         }
     }
@@ -324,9 +326,30 @@ impl Bond {
         }
     }
 
+    /// How far the impulses move the lighter body in a step, m: a stiff pull and the momentum that it turns round cancel.
+    fn moved_by(&self, nu: &[f64], h: f64, nodes: &[Node]) -> f64 {
+        let pull = nu.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let mass = [self.child, self.parent].map(|i| nodes[i].mass).into_iter().filter(|m| *m > 0.0);
+        let lightest = mass.fold(f64::INFINITY, f64::min);
+        pull * h.abs() / lightest
+    }
+
+    /// By how much a spring's points are farther apart than at rest, from the positions, m.
+    fn stretch(&self) -> f64 {
+        match self.kind {
+            Kind::Spring { rest, .. } => self.span.norm() - rest,
+            _ => 0.0,
+        }
+    }
+
+    /// How fast a spring gets longer over the step that is being tried, m/s.
+    pub(super) fn rate(&self, h: f64) -> f64 {
+        self.change / h
+    }
+
     /// Takes over what the accepted step has changed.
     pub(super) fn accept(&mut self, back: f64) {
-        let correction = if self.is_spring() { back * (self.span.norm() - self.length.value.x) } else { 0.0 };
+        let correction = if self.is_spring() { back * (self.stretch() - self.length.value.x) } else { 0.0 };
         self.length.add(&SVector::from([self.change + correction]));
     }
 

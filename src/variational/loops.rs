@@ -65,6 +65,9 @@ pub(super) struct Loops {
     /// Energies of the last step and of the one that is being tried.
     last: Option<StepEnergy>,
     tried: StepEnergy,
+    /// The same for each spring: its impulse of a half kick, and how fast it gets longer.
+    last_pulls: Vec<(f64, f64)>,
+    tried_pulls: Vec<(f64, f64)>,
 }
 
 /// Energies of a step, J.
@@ -105,6 +108,8 @@ impl Loops {
                 predictor: Predictor::new(entries),
                 last: None,
                 tried: StepEnergy::default(),
+                last_pulls: vec![(0.0, 0.0); springs],
+                tried_pulls: vec![(0.0, 0.0); springs],
                 bonds,
             })
         })
@@ -304,17 +309,33 @@ impl Loops {
     pub(super) fn accept(&mut self, back: f64) {
         self.bonds.iter_mut().for_each(|bond| bond.accept(back));
         self.last = Some(self.tried);
+        self.last_pulls.copy_from_slice(&self.tried_pulls);
     }
 
     /// The part of the kinetic energy that a step takes from nowhere, where that is more than [`LEAP`]. Constraints do no work:
     /// near a singular configuration the equations of a step have other solutions, which throw the linkage onto another
     /// branch.
-    pub(super) fn leap(&mut self, energy: StepEnergy) -> Option<f64> {
+    pub(super) fn leap(&mut self, h: f64, energy: StepEnergy) -> Option<f64> {
+        if self.rigid == 0 {
+            return None;
+        }
         self.tried = energy;
+        let springs = self.bonds.iter().filter(|bond| bond.is_spring());
+        for ((pull, nu), bond) in self.tried_pulls.iter_mut().zip(&self.nu[self.rigid..]).zip(springs) {
+            *pull = (*nu, bond.rate(h));
+        }
         let last = self.last?;
-        let gained = energy.kinetic - last.kinetic - 0.5 * (energy.work + last.work);
+        let gained = energy.kinetic - last.kinetic - 0.5 * (energy.work + last.work) - self.work_of_springs();
         let kinetic = energy.kinetic.max(last.kinetic);
         (gained > LEAP * kinetic + energy.fall + last.fall).then_some(gained / kinetic)
+    }
+
+    /// Work of the springs from the middle of the last step to that of the one that is being tried: their impulses in the two
+    /// half kicks between, times the mean of how fast they get longer. It is right for stiff springs too, whose pull changes
+    /// its sign from step to step.
+    fn work_of_springs(&self) -> f64 {
+        let pulls = self.last_pulls.iter().zip(&self.tried_pulls);
+        pulls.map(|((nu0, rate0), (nu1, rate1))| 0.5 * (nu0 + nu1) * (rate0 + rate1)).sum()
     }
 
     /// After the first pass of a projection of the momenta: the impulses along the constraints' rows that make their

@@ -496,7 +496,7 @@ impl Rattle {
         let Some(mut loops) = self.loops.take() else { return Ok(()) };
         let open = loops.contradiction(&self.nodes, self.length);
         let open = open.map(|(index, residual)| Failure::Loop { index, rounds, residual });
-        let leap = loops.leap(self.step_energy(h)).map(|gained| Failure::Leap { gained });
+        let leap = loops.leap(h, self.step_energy(h)).map(|gained| Failure::Leap { gained });
         self.loops = Some(loops);
         open.or(leap).map_or(Ok(()), Err)
     }

@@ -4,7 +4,8 @@
 use nalgebra::{Isometry3, Matrix3, Matrix3xX, SMatrix, Vector3};
 use rattlebench::discrete::constraint::Constraint;
 use rattlebench::discrete::{Matrix, Vector};
-use rattlebench::mechanics::{Joint, JointKind, State, System};
+use rattlebench::mechanics::{Closure, JointKind, State, System};
+use rattlebench::model::scene::LoopKind;
 
 /// Coordinates of a body: `x`, then the columns of `R`.
 const WIDTH: usize = 12;
@@ -31,13 +32,19 @@ impl Affine {
 }
 
 /// The constraint `a(q) . b(q) = value`. All of a rigid body and its joints has this form.
+#[derive(Clone)]
 struct Product {
     a: Affine,
     b: Affine,
     value: f64,
 }
 
-/// `R^T R = 1` of every body (6 rows each) and the joints (6 rows less the degrees of freedom).
+/// What a joint holds: whether the joint points coincide, which of `gap . u_k` are zero, and which of `u_j . w_k`.
+type Locks = (bool, &'static [usize], &'static [(usize, usize)]);
+
+/// `R^T R = 1` of every body (6 rows each), the joints (6 rows less the degrees of freedom), and the loops, whose rows may
+/// repeat what others say.
+#[derive(Clone)]
 pub struct Rigidity {
     width: usize,
     products: Vec<Product>,
@@ -53,9 +60,30 @@ impl Rigidity {
                     all.add(a, b, if j == k { 1.0 } else { 0.0 });
                 }
             }
-            all.add_joint(i, &body.joint);
+            let joint = &body.joint;
+            all.add_joint([joint.parent, Some(i)], [&joint.in_parent, &joint.in_child], of_joint(joint.kind));
+        }
+        for Closure { kind, parent, child, in_parent, in_child, .. } in &system.parts.loops {
+            all.add_joint([*parent, *child], [in_parent, in_child], of_loop(*kind));
         }
         all
+    }
+
+    /// The constraints without those that others imply at `q`: what is left of a row's velocities in the metric of the
+    /// masses, once those of all rows before it are taken away, is below `1e-9` of the largest.
+    pub fn independent_at(&self, q: &Vector, mass: &Vector) -> Rigidity {
+        let mut rows = self.jacobian(q).transpose();
+        for mut column in rows.column_iter_mut() {
+            column.component_div_assign(&mass.map(f64::sqrt));
+            column.normalize_mut();
+        }
+        let factors = rows.col_piv_qr();
+        let r = factors.r();
+        let mut order = Matrix::from_fn(1, self.count(), |_, k| k as f64);
+        factors.p().permute_columns(&mut order);
+        let rank = (0..r.nrows().min(r.ncols())).take_while(|&k| r[(k, k)].abs() > 1e-9).count();
+        let products = order.iter().take(rank).map(|&k| self.products[k as usize].clone()).collect();
+        Rigidity { width: self.width, products }
     }
 
     /// `R r` of a body, or `r` where the body is the ground.
@@ -85,24 +113,16 @@ impl Rigidity {
         self.products.push(Product { a, b, value });
     }
 
-    /// With `gap` from the parent's joint point to the child's, `u_k` the axes of the joint frame in the parent and `w_k`
-    /// those in the child: which of `gap_k`, `gap . u_k` and `u_j . w_k` are zero.
-    fn add_joint(&mut self, child: usize, joint: &Joint) {
-        let axes = |all: &Rigidity, body, frame: &Isometry3<f64>| {
-            [0, 1, 2].map(|k| all.direction(body, &(frame.rotation * Vector3::ith(k, 1.0))))
+    /// Holds a frame of the second body to one of the first (`None` is the ground). With `gap` from the first frame's
+    /// origin to the second's, `u_k` the axes of the first frame and `w_k` those of the second: `gap_k`, `gap . u_k` and
+    /// `u_j . w_k` are zero as the locks say.
+    fn add_joint(&mut self, bodies: [Option<usize>; 2], frames: [&Isometry3<f64>; 2], (held, across, turned): Locks) {
+        let axes = |all: &Rigidity, k: usize| {
+            [0, 1, 2].map(|axis| all.direction(bodies[k], &(frames[k].rotation * Vector3::ith(axis, 1.0))))
         };
-        let u = axes(self, joint.parent, &joint.in_parent);
-        let w = axes(self, Some(child), &joint.in_child);
-        let gap = self
-            .point(Some(child), &joint.in_child.translation.vector)
-            .minus(&self.point(joint.parent, &joint.in_parent.translation.vector));
-        let (held, across, turned): (bool, &[usize], &[(usize, usize)]) = match joint.kind {
-            JointKind::Revolute => (true, &[], &[(0, 2), (1, 2)]),
-            JointKind::Spherical => (true, &[], &[]),
-            JointKind::Prismatic => (false, &[0, 1], &[(0, 1), (0, 2), (1, 2)]),
-            JointKind::Planar => (false, &[2], &[(0, 2), (1, 2)]),
-            JointKind::Floating => (false, &[], &[]),
-        };
+        let (u, w) = (axes(self, 0), axes(self, 1));
+        let [from, to] = [0, 1].map(|k| self.point(bodies[k], &frames[k].translation.vector));
+        let gap = to.minus(&from);
         for k in (0..3).filter(|_| held) {
             self.add(gap.clone(), Affine::fixed(self.width, Vector3::ith(k, 1.0)), 0.0);
         }
@@ -112,6 +132,25 @@ impl Rigidity {
         for &(j, k) in turned {
             self.add(u[j].clone(), w[k].clone(), 0.0);
         }
+    }
+}
+
+fn of_joint(kind: JointKind) -> Locks {
+    match kind {
+        JointKind::Revolute => of_loop(LoopKind::Revolute),
+        JointKind::Spherical => of_loop(LoopKind::Spherical),
+        JointKind::Prismatic => of_loop(LoopKind::Prismatic),
+        JointKind::Planar => (false, &[2], &[(0, 2), (1, 2)]),
+        JointKind::Floating => (false, &[], &[]),
+    }
+}
+
+fn of_loop(kind: LoopKind) -> Locks {
+    match kind {
+        LoopKind::Revolute => (true, &[], &[(0, 2), (1, 2)]),
+        LoopKind::Spherical => (true, &[], &[]),
+        LoopKind::Prismatic => (false, &[0, 1], &[(0, 1), (0, 2), (1, 2)]),
+        LoopKind::Fixed => (true, &[], &[(0, 1), (0, 2), (1, 2)]),
     }
 }
 

@@ -2,8 +2,10 @@
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
-//! body turns by a rule of [`rotation`]; [`composition`] raises the order.
+//! body turns by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`substep`] takes a step
+//! that fails in halves.
 
+pub mod adaptive;
 mod attitude;
 mod bonds;
 mod compensated;
@@ -22,9 +24,11 @@ pub mod rattle;
 pub mod rotation;
 mod rows;
 mod spatial;
+pub mod substep;
 mod tableau;
 mod tree;
 
+pub use adaptive::Adaptive;
 pub use lobatto::Lobatto;
 pub use method::Method;
 pub use rattle::{Failure, Rattle};

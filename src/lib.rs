@@ -31,8 +31,10 @@
 //! | [`engines`] | what can advance a system: one trait, one list, one file an engine |
 //! | [`measure`] | one traced and one timed run of any engine, and the figures taken from its states |
 //! | [`report`] | records with a schema, charts and the page |
+//! | [`mod@check`] | bounds on figures of runs, for continuous integration |
 //! | [`cli`] | one file a subcommand |
 
+pub mod check;
 pub mod cli;
 pub mod discrete;
 pub mod engines;

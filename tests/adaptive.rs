@@ -3,8 +3,11 @@
 mod common;
 
 use common::*;
+use nalgebra::Vector3;
 use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::{State, System, energy};
+use rattlebench::model::JointKind::{Prismatic, Revolute};
+use rattlebench::model::scene::Spring;
 use rattlebench::variational::{Adaptive, Rattle};
 
 fn adaptive(system: &System, tolerance: f64) -> Adaptive {
@@ -48,7 +51,8 @@ fn a_thousand_adaptive_steps_and_back_return_to_the_start() {
         adaptive.write_node(&mut state);
         let (missed, late) = (distance(&state, &system.initial), adaptive.node_time());
         println!("steps {shortest:.1e} to {longest:.1e}, missed by {missed:.1e}, {late:.1e} s");
-        assert!(missed <= 1e-9 && late.abs() <= 1e-10);
+        // measured at most 5.4e-11 and 5.2e-12
+        assert!(missed <= 1.5e-10 && late.abs() <= 1.5e-11);
     }
 }
 
@@ -80,7 +84,7 @@ fn drift(system: &System, steps: usize, mut step: impl FnMut(&mut State)) -> (f6
     (first, last)
 }
 
-/// A rod swings through and on: the energy of the reversible steps does not drift over 100 000 of them, that of steps chosen
+/// Two rods swing: the energy of the reversible steps does not drift over 100 000 of them, that of steps chosen
 /// by the same monitor from the present state alone does.
 #[test]
 fn energy_does_not_drift_where_steps_chosen_from_the_present_state_drift() {
@@ -100,28 +104,43 @@ fn energy_does_not_drift_where_steps_chosen_from_the_present_state_drift() {
         naive.write_state(state);
     });
     println!("reversible {first:.2e} to {last:.2e}, naive {naive_first:.2e} to {naive_last:.2e}");
-    assert!((last - first).abs() <= 1e-3);
-    assert!((naive_last - naive_first).abs() > 10.0 * (last - first).abs());
+    // measured below 1e-6, and 3.0e-2
+    assert!((last - first).abs() <= 2e-6);
+    assert!((naive_last - naive_first).abs() > 1e-2);
 }
 
-/// A whip of ten links: at equal numbers of solves the energy error of variable steps is smaller.
+/// A slider of 1 kg on a light arm that turns slowly, drawn by a spring past the pivot: near there it turns a hundred times
+/// faster.
+fn slider_past_its_pivot() -> System {
+    let mut scene = chain(&[(Revolute, Vector3::z()), (Prismatic, Vector3::x())]);
+    let arm = scene.model.links[1].inertial.as_mut().unwrap();
+    (arm.mass, arm.inertia) = (0.01, arm.inertia * 0.01);
+    scene.springs.push(Spring::Joint { joint: 1, stiffness: 20.0, damping: 0.0, rest: -0.45 });
+    scene.initial[0].velocity = vec![0.3];
+    scene.initial[1].position = vec![1.0];
+    compile(&scene)
+}
+
+/// At equal numbers of solves the energy error of variable steps is smaller where the motion is uneven.
 #[test]
-fn a_whip_gets_by_with_fewer_solves() {
-    let system = compile(&alternating(10));
-    let fixed = |steps: u64| {
-        let (mut rattle, mut state, mut worst) = (Rattle::new(&system).unwrap(), system.initial.clone(), 0.0_f64);
+fn variable_steps_pay_where_the_motion_is_uneven() {
+    let fixed = |system: &System, steps: u64| {
+        let (mut rattle, mut state, mut worst) = (Rattle::new(system).unwrap(), system.initial.clone(), 0.0_f64);
         for _ in 0..steps {
             rattle.step(5.0 / steps as f64).unwrap();
             rattle.write_state(&mut state);
-            worst = worst.max(error(&system, &state).abs());
+            worst = worst.max(error(system, &state).abs());
         }
         worst
     };
-    for tolerance in [1e-2, 1e-3, 1e-4] {
-        let (varied, steps) = run(&system, tolerance, 5.0);
-        let same = fixed(steps);
-        println!("tol {tolerance:e}: {steps} steps, error {varied:.2e}; fixed {same:.2e}, ratio {:.2}", same / varied);
-        assert!(same > 2.0 * varied);
+    // measured at least 6.2 (slider) and 3.0 (whip): 2.5 and 1.7 times the solves for the same error
+    for (name, system, least) in [("slider", slider_past_its_pivot(), 3.0), ("whip", compile(&alternating(10)), 1.5)] {
+        for tolerance in [1e-3, 1e-4, 1e-5] {
+            let (varied, steps) = run(&system, tolerance, 5.0);
+            let ratio = fixed(&system, steps) / varied;
+            println!("{name}: tol {tolerance:e}: {steps} steps, error {varied:.2e}, ratio {ratio:.2}");
+            assert!(ratio > least, "{name}: {ratio}");
+        }
     }
 }
 
@@ -145,6 +164,7 @@ fn output_does_not_disturb_the_steps() {
         assert_eq!(a, b, "{name}");
         let error = error(&system, &a).abs();
         println!("{name}: {} steps, error {error:.1e}", seldom.steps());
+        // measured at most 5.9e-5
         assert!(error <= 1e-4, "{name}: {error:e}");
     }
 }

@@ -90,7 +90,7 @@ fn unknown_engines_keys_joints_and_files_are_refused_with_what_is_known() {
 fn a_bare_command_shows_its_usage() {
     let (_, stderr) = run(&[], 2);
     assert!(stderr.contains("Usage: rattlebench <COMMAND>"), "{stderr}");
-    for command in ["inspect", "simulate", "compare", "generate", "chart", "list", "schema"] {
+    for command in ["inspect", "simulate", "compare", "cost", "generate", "chart", "list", "schema"] {
         assert!(stderr.contains(command), "{stderr}");
         let (stdout, _) = run(&[command, "--help"], 0);
         assert!(stdout.contains("Usage: rattlebench"), "{stdout}");
@@ -209,7 +209,7 @@ fn report(folder: &Path) -> Report {
 fn a_comparison_leaves_a_report_that_needs_no_network() {
     let (folder, stdout) = compare(&[]);
     let report = report(folder.path());
-    assert_eq!(report.runs.len(), 10, "five engines at the two largest steps");
+    assert_eq!(report.runs.len(), 14, "seven engines at the two largest steps");
     assert!(report.runs.iter().all(|r| r.outcome == Outcome::Completed && r.duration_s == 2.0));
     for run in &report.runs {
         let (energy, time) = (run.energy.as_ref().expect("energy"), run.time.as_ref().expect("time"));
@@ -218,16 +218,41 @@ fn a_comparison_leaves_a_report_that_needs_no_network() {
     }
     let page = fs::read_to_string(folder.path().join("index.html")).expect("written");
     assert!(!page.contains("http") && !page.contains("<script") && !page.contains("<link"));
-    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
-    assert_eq!(page.matches("src=").count(), 3);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 5);
+    assert_eq!(page.matches("src=").count(), 5);
+    let sweep = report.sweep.as_ref().expect("a sweep");
+    assert!(sweep.runs.iter().all(|r| r.series.is_none() && r.accuracy.is_some() && r.time.is_some()));
+    assert_eq!(sweep.targets.len(), 4, "the reference is good enough for every target");
+    assert!(report.parity.as_ref().is_some_and(|parity| parity.agrees && parity.engines.len() >= 5));
+    assert!(stdout.contains("\nFor joint positions to 10"), "{stdout}");
     assert!(stdout.starts_with("double_pendulum\nAt a step of "), "{stdout}");
     assert!(stdout.contains("rapier:joints=multibody,precision=f64\n"), "{stdout}");
     assert!(stdout.ends_with(&format!("{}\n\n", folder.path().join("index.html").display())), "{stdout}");
 }
 
+#[test]
+fn the_cost_of_a_step_is_told_for_every_engine_and_length() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let chains = ["--links", "2", "--links", "1", "--out", text(folder.path())];
+    let (stdout, _) = run(&[&["cost", "--engine", "rattle", "--engine", "rapier"], &chains[..]].concat(), 0);
+    let json = fs::read_to_string(folder.path().join("cost.json")).expect("written");
+    let cost: rattlebench::report::cost::Cost = serde_json::from_str(&json).expect("a record");
+    let points: Vec<(&str, usize)> = cost.points.iter().map(|p| (p.engine.as_str(), p.links)).collect();
+    assert_eq!(points, [("rattle", 1), ("rattle", 2), ("rapier", 1), ("rapier", 2)]);
+    assert!(cost.points.iter().all(|p| p.us_per_step > 0.0 && p.us_per_step_min <= p.us_per_step_max), "{json}");
+    assert!(fs::read(folder.path().join("cost.png")).expect("written").starts_with(b"\x89PNG"));
+    assert!(stdout.starts_with("µs a step, links:") && stdout.contains("\nrattle "), "{stdout}");
+    refused(&["cost", "--step", "-1"], "--step must be > 0 s, got -1");
+}
+
 /// Everything of a report but what the machine and the clock say.
 fn timeless(mut report: Report) -> String {
     report.runs.iter_mut().for_each(|run| run.time = None);
+    report.timing = None;
+    if let Some(sweep) = &mut report.sweep {
+        sweep.runs.iter_mut().for_each(|run| run.time = None);
+        sweep.targets.clear();
+    }
     report.command = String::new();
     report.to_json().expect("JSON")
 }
@@ -236,7 +261,7 @@ fn timeless(mut report: Report) -> String {
 fn two_comparisons_differ_only_in_their_timing() {
     let ((first, _), (second, _)) = (compare(&["--jobs", "2"]), compare(&["--jobs", "1"]));
     assert_eq!(timeless(report(first.path())), timeless(report(second.path())));
-    for chart in ["energy_drift.png", "constraint_violation.png"] {
+    for chart in ["convergence.png", "energy_drift.png", "constraint_violation.png"] {
         let bytes = |folder: &Path| fs::read(folder.join(chart)).expect("written");
         assert!(bytes(first.path()) == bytes(second.path()), "{chart}");
         assert!(bytes(first.path()).starts_with(b"\x89PNG"));
@@ -254,7 +279,14 @@ fn charts_drawn_again_are_the_same_bytes() {
     let saved = folder.path().join("report.json");
     let (stdout, _) = run(&["chart", text(&saved), "--out", text(again.path())], 0);
     assert_eq!(stdout, format!("{}\n", again.path().join("index.html").display()));
-    for file in ["energy_drift.png", "constraint_violation.png", "error_vs_run_time.png", "index.html"] {
+    for file in [
+        "work_precision.png",
+        "convergence.png",
+        "energy_drift.png",
+        "constraint_violation.png",
+        "error_vs_run_time.png",
+        "index.html",
+    ] {
         let bytes = |folder: &Path| fs::read(folder.join(file)).expect("written");
         assert!(bytes(folder.path()) == bytes(again.path()), "{file}");
     }

@@ -84,7 +84,8 @@ fn halves_carry_a_run_through_and_are_counted() {
     }
     let remarks = engine.remarks();
     println!("error {worst:.2e}, {remarks:?}");
-    assert!(worst <= 0.5, "{worst:e}");
+    // measured 1.1e-1
+    assert!(worst <= 0.25, "{worst:e}");
     assert!(remarks.iter().any(|r| r.contains("taken in halves") && r.contains("not symplectic")), "{remarks:?}");
 }
 

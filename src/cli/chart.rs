@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::CliError;
+use crate::report::record::ReadError;
+use crate::report::stability::{self, StabilityReport};
 use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
 use crate::report::{Report, files};
 
 /// Draw the charts and the page of saved reports, and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// report.json files, and JSON files that `theory` wrote.
+    /// report.json and stability.json files, and JSON files that `theory` wrote.
     #[arg(required = true, value_name = "REPORT.json")]
     report: Vec<PathBuf>,
     /// Folder for the charts and the page; with several reports, for one folder each [default: where the report is].
@@ -23,26 +25,24 @@ pub struct Args {
 /// What a JSON file holds.
 enum Saved {
     Report(Box<Report>),
+    Stability(Box<StabilityReport>),
     Theory(Box<TheoryFile>),
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
     let saved = args.report.iter().map(|path| Ok((path, read(path)?))).collect::<Result<Vec<_>, CliError>>()?;
-    let (mut reports, mut topics) = (Vec::new(), Vec::new());
+    let (mut pages, mut topics) = (Vec::new(), Vec::new());
+    let folder = |path: &Path, name: &str| match &args.out {
+        Some(out) if args.report.len() == 1 => out.clone(),
+        Some(out) => out.join(name),
+        None => beside(path),
+    };
     for (path, file) in saved {
         match file {
-            Saved::Report(report) => reports.push((path, report)),
+            Saved::Report(report) => pages.push(files::draw(&report, &folder(path, &report.scene.name))?),
+            Saved::Stability(report) => pages.push(stability::draw(&report, &folder(path, "stability"))?),
             Saved::Theory(topic) => topics.push((path, *topic)),
         }
-    }
-    let mut pages = Vec::new();
-    for (path, report) in &reports {
-        let folder = match &args.out {
-            Some(out) if reports.len() + topics.len() == 1 => out.clone(),
-            Some(out) => out.join(&report.scene.name),
-            None => beside(path),
-        };
-        pages.push(files::draw(report, &folder)?);
     }
     pages.extend(draw_topics(topics, args.out.as_deref())?);
     let mut out = std::io::stdout().lock();
@@ -78,9 +78,15 @@ fn read(path: &Path) -> Result<Saved, CliError> {
     }
     let text = std::fs::read_to_string(path).map_err(|error| CliError::Read { path: path.to_path_buf(), error })?;
     let head: Option<Head> = serde_json::from_str(&text).ok();
-    if head.and_then(|head| head.schema).as_deref() == Some(FILE_SCHEMA) {
-        return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?)));
+    let failed = |error| CliError::Report { path: path.to_path_buf(), error };
+    match head.and_then(|head| head.schema).as_deref() {
+        Some(FILE_SCHEMA) => return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?))),
+        Some(stability::record::SCHEMA) => {
+            let report = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
+            return Ok(Saved::Stability(Box::new(report)));
+        }
+        _ => {}
     }
-    let report = Report::from_json(&text).map_err(|error| CliError::Report { path: path.to_path_buf(), error })?;
+    let report = Report::from_json(&text).map_err(failed)?;
     Ok(Saved::Report(Box::new(report)))
 }

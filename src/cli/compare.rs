@@ -9,13 +9,22 @@ use super::{CliError, input, interrupt, progress};
 use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress};
+use crate::measure::study::Study;
+use crate::measure::sweep::{self, Setting};
 use crate::mechanics::System;
 use crate::model::Scene;
-use crate::report::{Report, files, finding, table};
+use crate::report::{Report, files, finding, summary, table};
 
 /// Engines that are compared where none is named, as far as they have the means for the scene.
-const ENGINES: [&str; 5] =
-    ["rattle", "rattle:order=8", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
+const ENGINES: [&str; 7] = [
+    "rattle",
+    "rattle:order=8",
+    "galerkin",
+    "dop853",
+    "rapier",
+    "rapier:preset=strong",
+    "rapier:joints=multibody,precision=f64",
+];
 
 /// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
 const QUICK_DURATION: f64 = 2.0;
@@ -30,7 +39,7 @@ pub struct Args {
     #[arg(required = true)]
     input: Vec<PathBuf>,
     /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle at orders 2 and
-    /// 8 and three settings of rapier].
+    /// 8, galerkin, dop853 and three settings of rapier].
     #[arg(long, value_name = "SPEC")]
     engine: Vec<String>,
     /// Step size, s; may be given several times [default: those of the scene].
@@ -45,10 +54,10 @@ pub struct Args {
     /// Threads for the runs that are measured; those that are timed never share the machine [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Wall-clock time that one run may take, s.
+    /// Wall-clock time that one run may take, and the sweep of settings together, s.
     #[arg(long, value_name = "S", default_value_t = 30.0, allow_negative_numbers = true)]
     budget: f64,
-    /// Only the two largest steps, over at most 2 s of simulated time.
+    /// Only the two largest steps, over at most 2 s of simulated time, and a short list of settings.
     #[arg(long)]
     quick: bool,
     /// Examine eight steps of each run too: how far they are from symplectic, reversible and momentum conserving.
@@ -63,11 +72,13 @@ struct Task {
     system: System,
     engines: Vec<Spec>,
     horizons: Vec<Horizon>,
+    /// Settings that are tried beside them.
+    sweep: Vec<Setting>,
     folder: PathBuf,
 }
 
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let named = engines(&args.engine)?;
+    let named = input::specs(&args.engine)?;
     let budget = Duration::try_from_secs_f64(input::positive("--budget", args.budget)?).unwrap_or(Duration::MAX);
     let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     // Everything that can be wrong is found before the first run starts.
@@ -91,26 +102,14 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             jobs: jobs.unwrap_or(1),
             structure: args.structure,
         };
-        compare(task, &comparison, interrupted)?;
+        compare(task, Study { comparison, sweep: &task.sweep }, interrupted)?;
     }
     Ok(())
 }
 
-/// Reads specs, none twice.
-fn engines<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
-    let mut specs: Vec<Spec> = Vec::new();
-    for text in texts {
-        let spec = Spec::parse(text.as_ref())?;
-        if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
-            specs.push(spec);
-        }
-    }
-    Ok(specs)
-}
-
 /// The default engines that support a system.
 fn default_engines(system: &System, step: f64) -> Result<Vec<Spec>, CliError> {
-    let mut specs = engines(&ENGINES)?;
+    let mut specs = input::specs(&ENGINES)?;
     specs.retain(|spec| crate::engines::build(spec, system, step).is_ok());
     Ok(specs)
 }
@@ -131,37 +130,56 @@ fn task(args: &Args, named: &[Spec], path: &Path) -> Result<Task, CliError> {
         Some(&step) if named.is_empty() => default_engines(&system, step)?,
         _ => named.to_vec(),
     };
+    let sweep = if named.is_empty() { sweep::settings(args.quick)? } else { sweep::settings_of(named, args.quick) };
     let folder = match &args.out {
         Some(out) if args.input.len() == 1 => out.clone(),
         Some(out) => out.join(&scene.name),
         None => Path::new("reports").join(&scene.name),
     };
-    Ok(Task { path: path.to_path_buf(), scene, system, engines, horizons, folder })
+    Ok(Task { path: path.to_path_buf(), scene, system, engines, horizons, sweep, folder })
 }
 
 /// Runs one comparison, writes its report and prints its table. What was finished before an interruption is kept.
-fn compare(task: &Task, comparison: &Comparison, interrupted: &AtomicBool) -> Result<(), CliError> {
+fn compare(task: &Task, study: Study, interrupted: &AtomicBool) -> Result<(), CliError> {
     for remark in &task.scene.model.remarks {
         eprintln!("remark: {}: {remark}", task.path.display());
     }
     let counters = Progress::default();
     let stages = [
-        progress::Stage { name: "measuring", total: comparison.steps(), done: &counters.traced },
-        progress::Stage { name: "examining", total: comparison.examinations(), done: &counters.examined },
-        progress::Stage { name: "timing", total: comparison.turns(), done: &counters.timed },
+        progress::Stage { name: "measuring", total: study.steps(), done: &counters.traced },
+        progress::Stage { name: "examining", total: study.comparison.examinations(), done: &counters.examined },
+        progress::Stage { name: "timing", total: study.turns(), done: &counters.timed },
     ];
-    let results = progress::during(&task.scene.name, &stages, || comparison.run(interrupted, &counters));
-    if results.runs.is_empty() {
+    let findings = progress::during(&task.scene.name, &stages, || study.run(interrupted, &counters));
+    if findings.results.runs.is_empty() {
         return Err(CliError::Interrupted);
     }
-    let report = Report::new(&task.scene, &task.system, &results, input::command_line());
+    let report = Report::of_study(&task.scene, &task.system, &findings, input::command_line());
     let page = files::write(&report, &task.folder)?;
+    print(&report, &page)?;
+    if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
+}
+
+/// Finding, runs, and what accuracy costs.
+fn print(report: &Report, page: &Path) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}\n{}\n", task.scene.name, finding::sentence(&report))?;
-    writeln!(out, "{}", table::text(&report))?;
-    if let Some(structure) = table::structure_text(&report) {
+    writeln!(out, "{}\n{}\n", report.scene.name, finding::sentence(report))?;
+    writeln!(out, "{}", table::text(report))?;
+    if let Some(structure) = table::structure_text(report) {
         writeln!(out, "structure of {} steps\n{structure}", crate::measure::structure::STEPS)?;
     }
-    writeln!(out, "{}\n", page.display())?;
-    if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
+    if let Some(sweep) = &report.sweep {
+        if let Some(targets) = summary::targets(sweep) {
+            let until = sweep.until_s;
+            writeln!(out, "CPU s/s simulated for joint positions to this error (rad or m) over the first {until} s")?;
+            writeln!(out, "{}", targets.text())?;
+        }
+        if let Some(sentence) = summary::sentence(sweep) {
+            writeln!(out, "{sentence}\n")?;
+        }
+    }
+    if report.parity.as_ref().is_some_and(|parity| !parity.agrees) {
+        writeln!(out, "Not all engines have the same mechanical system: see Parity in the report.\n")?;
+    }
+    writeln!(out, "{}\n", page.display())
 }

@@ -4,13 +4,17 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::check::CheckError;
+use crate::check::propose::ProposeError;
 use crate::discrete::solve::SolveError;
 use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
 use crate::mechanics::CompileError;
-use crate::model::{SceneError, SceneProblem};
+use crate::model::{ModelError, SceneError, SceneProblem};
 use crate::report::files::WriteError;
 use crate::report::record::ReadError;
+use crate::report::stability::record::IncompleteError;
+use crate::report::stability::store::StoreError;
 use crate::report::theory::TheoryError;
 
 /// Why a subcommand could not do its work.
@@ -20,6 +24,8 @@ pub enum CliError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Option(#[from] SceneProblem),
+    #[error(transparent)]
+    Model(#[from] ModelError),
     #[error("{input}: {error}", input = input.display())]
     Compile { input: PathBuf, error: CompileError },
     #[error("--engine: {0}")]
@@ -54,16 +60,33 @@ pub enum CliError {
     RunFailed { engine: String, detail: String },
     #[error("{topic}: {error}")]
     Theory { topic: &'static str, error: SolveError },
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error(transparent)]
+    Incomplete(#[from] IncompleteError),
+    #[error("{path}: {cell} has another result than in a folder before it", path = path.display())]
+    TwoResults { path: PathBuf, cell: String },
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    #[error(transparent)]
+    Propose(#[from] ProposeError),
+    #[error("{broken} of {bounds} bounds broken{}", worse_text(*.worse))]
+    Broken { broken: usize, bounds: usize, worse: usize },
+    #[error("the JUnit file cannot be made: {0}")]
+    Junit(#[from] quick_junit::SerializeError),
+    #[error("GITHUB_STEP_SUMMARY {path}: {error}", path = path.display())]
+    Summary { path: PathBuf, error: io::Error },
     #[error("interrupted")]
     Interrupted,
 }
 
 impl CliError {
-    /// 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be finished; 130 for an
+    /// 1 for broken bounds; 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be finished; 130 for an
     /// interruption. A reader of our output that stops early, as `head` does, is no error.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+            CliError::Broken { .. } => ExitCode::from(1),
             CliError::RunFailed { .. } | CliError::Theory { .. } => ExitCode::from(3),
             CliError::Interrupted => ExitCode::from(130),
             _ => ExitCode::from(2),
@@ -73,5 +96,13 @@ impl CliError {
     /// Whether there is something to tell.
     pub fn is_silent(&self) -> bool {
         matches!(self, CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+fn worse_text(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => ", 1 figure worse than the baseline".to_string(),
+        n => format!(", {n} figures worse than the baseline"),
     }
 }

@@ -1,8 +1,9 @@
 //! Scenes and options that several subcommands read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::CliError;
+use crate::engines::Spec;
 use crate::mechanics::System;
 use crate::model::Scene;
 
@@ -14,6 +15,32 @@ pub fn scene(path: &Path) -> Result<Scene, CliError> {
 /// Compiles a scene that was read from `path`.
 pub fn system(path: &Path, scene: &Scene) -> Result<System, CliError> {
     System::compile(scene).map_err(|error| CliError::Compile { input: path.to_path_buf(), error })
+}
+
+/// Reads specs, none twice.
+pub fn specs<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
+    let mut specs: Vec<Spec> = Vec::new();
+    for text in texts {
+        let spec = Spec::parse(text.as_ref())?;
+        if !specs.iter().any(|other| other.to_string() == spec.to_string()) {
+            specs.push(spec);
+        }
+    }
+    Ok(specs)
+}
+
+/// The scenes `*/scene.json` in a folder, by name.
+pub fn shipped(models: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let failed = |error| CliError::Read { path: models.to_path_buf(), error };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(models).map_err(failed)? {
+        let file = entry.map_err(failed)?.path().join("scene.json");
+        if file.is_file() {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 /// A time that must be positive and finite.

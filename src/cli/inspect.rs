@@ -52,6 +52,9 @@ struct Inspection {
     links: Vec<LinkRow>,
     joints: Vec<JointRow>,
     loops: usize,
+    /// What loops and mimic joints take away, where the scene can be closed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    closures: Vec<ClosureRow>,
     springs: usize,
     drives: usize,
     bounds: usize,
@@ -81,6 +84,14 @@ struct LinkRow {
     /// xx, xy, xz, yy, yz, zz about the centre of mass, in axes of the link frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     inertia_kg_m2: Option<[f64; 6]>,
+}
+
+#[derive(Debug, Serialize)]
+struct ClosureRow {
+    name: String,
+    /// Constraint rows, and how many of them those before already imply in the initial configuration.
+    rows: usize,
+    redundant: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -123,6 +134,7 @@ impl Inspection {
                 .as_ref()
                 .map(|i| [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| i.inertia[place])),
         };
+        let compiled = System::compile(scene);
         let joint = |(joint, initial): (&crate::model::Joint, &crate::model::scene::JointInitial)| JointRow {
             name: joint.name.clone(),
             kind: joint.kind.name(),
@@ -144,19 +156,20 @@ impl Inspection {
             duration_s: scene.duration,
             steps_s: scene.steps.clone(),
             total_mass_kg: links.iter().map(|l| l.mass_kg).sum(),
-            degrees_of_freedom: scene.tree_degrees_of_freedom(),
+            degrees_of_freedom: compiled.as_ref().map_or(scene.tree_degrees_of_freedom(), System::degrees_of_freedom),
             moving_bodies: model.joints.len() - welded_links + usize::from(floating),
             welded_links,
             links,
             joints: model.joints.iter().zip(&scene.initial).map(joint).collect(),
             loops: scene.loops.len(),
+            closures: compiled.as_ref().map_or_else(|_| Vec::new(), closures),
             springs: scene.springs.len(),
             drives: scene.drives.len(),
             bounds: scene.bounds.len(),
             needs: scene.needs(),
             remarks: model.remarks.clone(),
             ignored: model.ignored.clone(),
-            obstacle: System::compile(scene).err().map(|e| e.to_string()),
+            obstacle: compiled.err().map(|e| e.to_string()),
         }
     }
 }
@@ -196,6 +209,7 @@ impl fmt::Display for Inspection {
         writeln!(f, "needs    {}", if self.needs.is_empty() { "nothing".to_owned() } else { self.needs.join(", ") })?;
         self.links_table(f)?;
         self.joints_table(f)?;
+        self.closures_table(f)?;
         if !self.remarks.is_empty() {
             writeln!(f, "\nremarks")?;
             self.remarks.iter().try_for_each(|remark| writeln!(f, "  {remark}"))?;
@@ -226,6 +240,18 @@ impl Inspection {
         Ok(())
     }
 
+    fn closures_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.closures.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\nclosed")?;
+        for ClosureRow { name, rows, redundant } in &self.closures {
+            let implied = if *redundant > 0 { format!(", {redundant} of them redundant") } else { String::new() };
+            writeln!(f, "  {name}: {}{implied}", counted(*rows, "row"))?;
+        }
+        Ok(())
+    }
+
     fn joints_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.joints.is_empty() {
             return Ok(());
@@ -249,6 +275,21 @@ impl Inspection {
         }
         Ok(())
     }
+}
+
+/// Loops, then mimic joints.
+fn closures(system: &System) -> Vec<ClosureRow> {
+    let parts = &system.parts;
+    let loops = parts
+        .loops
+        .iter()
+        .map(|closure| (format!("loop '{}'", closure.name), closure.locked().iter().filter(|locked| **locked).count()));
+    let mimics = parts.couplings.iter().map(|coupling| {
+        let name = |body: usize| &system.bodies[body].joint.name;
+        (format!("'{}' mimics '{}'", name(coupling.follower), name(coupling.source)), 1)
+    });
+    let redundant = system.mobility.redundant.iter();
+    loops.chain(mimics).zip(redundant).map(|((name, rows), n)| ClosureRow { name, rows, redundant: *n }).collect()
 }
 
 fn counted(n: usize, noun: &str) -> String {

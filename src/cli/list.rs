@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::ValueEnum;
 use serde::Serialize;
 
-use super::CliError;
+use super::{CliError, input};
 use crate::discrete::methods::METHODS;
 use crate::engines::{ENGINES, Key};
 use crate::model::Scene;
@@ -77,15 +77,7 @@ fn key(key: Key) -> Item {
 
 /// The scenes `models/*/scene.json`, by name.
 fn scenes(models: &Path) -> Result<Vec<Item>, CliError> {
-    let failed = |error| CliError::Read { path: models.to_path_buf(), error };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(models).map_err(failed)? {
-        let file = entry.map_err(failed)?.path().join("scene.json");
-        if file.is_file() {
-            files.push(file);
-        }
-    }
-    files.sort();
+    let files = input::shipped(models)?;
     files
         .iter()
         .map(|file| {

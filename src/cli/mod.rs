@@ -1,19 +1,23 @@
 //! The command line: one file a subcommand. The only folder that knows clap and indicatif.
 //!
-//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 2 bad usage or bad input, 3 a run that
+//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 1 a bound was broken, 2 bad usage or bad input, 3 a run that
 //! could not be finished, 130 interrupted.
 
 mod chart;
+mod check;
 mod compare;
+mod cost;
 mod error;
 mod generate;
 mod input;
 mod inspect;
 mod interrupt;
 mod list;
+mod merge;
 mod progress;
 mod schema;
 mod simulate;
+mod stability;
 mod theory;
 
 use std::process::ExitCode;
@@ -35,6 +39,10 @@ enum Command {
     Inspect(inspect::Args),
     Simulate(simulate::Args),
     Compare(compare::Args),
+    Stability(stability::Args),
+    Merge(merge::Args),
+    Check(check::Args),
+    Cost(cost::Args),
     Theory(theory::Args),
     Generate(generate::Args),
     Chart(chart::Args),
@@ -48,6 +56,10 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Stability(args) => stability::run(&args),
+        Command::Merge(args) => merge::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Cost(args) => cost::run(&args),
         Command::Theory(args) => theory::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Chart(args) => chart::run(&args),

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use super::CliError;
 use crate::model::scene_file::SceneFile;
 use crate::report::Report;
+use crate::report::stability::StabilityReport;
 use crate::report::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.
@@ -22,6 +23,8 @@ enum File {
     Scene,
     /// A report.json.
     Report,
+    /// A stability.json.
+    Stability,
     /// A file that `theory` writes.
     Theory,
 }
@@ -30,6 +33,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let schema = match args.file {
         File::Scene => schemars::schema_for!(SceneFile),
         File::Report => schemars::schema_for!(Report),
+        File::Stability => schemars::schema_for!(StabilityReport),
         File::Theory => schemars::schema_for!(TheoryFile),
     };
     let text = serde_json::to_string_pretty(&schema)?;

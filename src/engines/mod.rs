@@ -19,6 +19,8 @@ use std::fmt;
 
 use crate::mechanics::{Part, State, System};
 
+#[doc(hidden)]
+pub use rattle::faulty;
 pub use spec::{Choice, Key, Number, Spec, SpecError};
 
 /// Something that advances a system by a fixed step.
@@ -100,4 +102,15 @@ pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>,
         return Err(Unsupported { engine: spec.to_string(), what: part.name().to_string() });
     }
     (spec.entry().build)(spec, system, step)
+}
+
+/// What an engine holds of a system, read back from its own data; `None` for engines that compute on the [`System`]
+/// itself, and where the engine cannot be built.
+pub fn held(spec: &Spec, system: &System, step: f64) -> Option<rapier::Held> {
+    (spec.entry().name == rapier::ENTRY.name).then(|| rapier::hold(spec, system, step).ok()).flatten()
+}
+
+/// The same engine with its constraints solved to the end, for engines whose settings leave them half solved.
+pub fn converged(spec: &Spec) -> Option<Spec> {
+    (spec.entry().name == rapier::ENTRY.name).then(|| rapier::converged(spec)).flatten()
 }

@@ -5,7 +5,7 @@ use crate::mechanics::{Body, Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::substep::{step_in_halves, step_that_works};
-use crate::variational::{Adaptive, Failure, Lobatto, Method, Rattle, Rotation};
+use crate::variational::{Adaptive, Failure, Fault, Lobatto, Method, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -76,6 +76,23 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    Ok(Box::new(engine(spec, system, step)?))
+}
+
+/// An engine `rattle` with a planted fault, for tests of what checks catch.
+///
+/// # Errors
+/// As [`super::build`].
+pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<Box<dyn Engine>, Unsupported> {
+    let sound = engine(spec, system, step)?;
+    let core = match sound.core {
+        Core::Rattle(rattle) => Core::Rattle(rattle.with_fault(fault)),
+        core => core,
+    };
+    Ok(Box::new(RattleEngine { core, ..sound }))
+}
+
+fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsupported> {
     let unsupported = |what: String| Unsupported { engine: spec.to_string(), what };
     let order = spec.word(&ORDER);
     let composition =
@@ -83,7 +100,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     steps_fit(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
-    Ok(Box::new(RattleEngine {
+    Ok(RattleEngine {
         core,
         substeps: composition.weights().map(|w| w * step).collect(),
         step,
@@ -93,7 +110,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
         failed: false,
         halved: (spec.word(&ON_FAILURE) == "substep")
             .then(|| Halved { first: Vec::with_capacity(NAMED), ..Halved::default() }),
-    }))
+    })
 }
 
 /// Whether the settings of the step go together, and with what the system has.
@@ -120,7 +137,7 @@ fn steps_fit(spec: &Spec, composed: bool, system: &System) -> Result<(), String>
     if halved {
         return Err(
             "on_failure=substep with step=adaptive: halves would break the sequence of steps, which is what keeps the \
-                    energy; take a smaller tol"
+             energy; take a smaller tol"
                 .to_string(),
         );
     }

@@ -90,19 +90,39 @@ impl Trajectory {
 /// # Errors
 /// The motion cannot be followed: a joint can move without moving any mass, or the step size underflows.
 pub fn trajectory(system: &System, times: &[f64]) -> Result<Trajectory, StepFailure> {
-    let run = |tolerance: f64| -> Result<Vec<State>, StepFailure> {
-        let mut integration = Integration::new(system, tolerance)?;
-        let states = times.iter().map(|&time| {
-            integration.advance_to(time)?;
-            let mut state = system.initial.clone();
-            integration.write_state(&mut state);
-            Ok(state)
-        });
-        states.collect()
-    };
-    let (states, looser) = (run(TOLERANCE)?, run(LOOSER_TOLERANCE)?);
-    let error_estimate = states.iter().zip(&looser).map(|(a, b)| distance(a, b)).collect();
-    Ok(Trajectory { times: times.to_vec(), states, looser, error_estimate, method: METHOD.to_string() })
+    trajectory_while(system, times, &mut |_, _| true)
+}
+
+/// The same as long as `go_on` says so of the states of the two tolerances at the last time, which is kept.
+///
+/// # Errors
+/// The motion cannot be followed: a joint can move without moving any mass, or the step size underflows.
+pub fn trajectory_while(
+    system: &System,
+    times: &[f64],
+    go_on: &mut dyn FnMut(&State, &State) -> bool,
+) -> Result<Trajectory, StepFailure> {
+    let mut pair = [Integration::new(system, TOLERANCE)?, Integration::new(system, LOOSER_TOLERANCE)?];
+    let mut found: [Vec<State>; 2] = Default::default();
+    let mut error_estimate = Vec::new();
+    for time in times {
+        let mut states = [system.initial.clone(), system.initial.clone()];
+        for (integration, state) in pair.iter_mut().zip(&mut states) {
+            integration.advance_to(*time)?;
+            integration.write_state(state);
+        }
+        error_estimate.push(distance(&states[0], &states[1]));
+        let more = go_on(&states[0], &states[1]);
+        for (list, state) in found.iter_mut().zip(states) {
+            list.push(state);
+        }
+        if !more {
+            break;
+        }
+    }
+    let times = times[..error_estimate.len()].to_vec();
+    let [states, looser] = found;
+    Ok(Trajectory { times, states, looser, error_estimate, method: METHOD.to_string() })
 }
 
 /// The largest displacement of a centre of mass (m) or rotation of a body (rad) between two states. NaN where either is.

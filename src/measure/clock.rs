@@ -2,25 +2,39 @@
 //!
 //! Every candidate is stepped from the scene's initial state on one thread, with nothing between two steps: no state is
 //! converted, nothing is measured. A pass takes the whole run, or, where that would take long, its first part
-//! ([`LONGEST_PASS`]). One pass warms up and is thrown away; then the candidates take turns, one pass each a round, so that
-//! a change of the machine's speed meets all of them. A pass that is too short for the clock ([`SHORTEST_PASS`]) is
-//! repeated within its turn. The figure is the median over the rounds.
+//! ([`Effort::longest_pass`]). One pass warms up and is thrown away; then the candidates take turns, one pass each a round,
+//! so that a change of the machine's speed meets all of them. A pass that is too short for the clock
+//! ([`Effort::shortest_turn`]) is repeated within its turn. The figure is the median over the rounds. What the loop around
+//! the steps costs is in it: [`overhead`] measures that.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
 
-use crate::engines::Engine;
+use crate::engines::{Engine, StepFailure};
+use crate::mechanics::State;
 
 /// Rounds that count.
 pub const ROUNDS: usize = 5;
 
-/// A turn lasts at least this long.
-pub const SHORTEST_PASS: Duration = Duration::from_millis(20);
+/// How long candidates are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// A turn lasts at least this long.
+    pub shortest_turn: Duration,
+    /// A pass ends after this time in the warm-up; the rounds then take the same steps.
+    pub longest_pass: Duration,
+}
 
-/// A pass ends after this time in the warm-up; the rounds then take the same steps.
-pub const LONGEST_PASS: Duration = Duration::from_millis(400);
+impl Effort {
+    /// For the runs of a comparison.
+    pub const FULL: Effort =
+        Effort { shortest_turn: Duration::from_millis(20), longest_pass: Duration::from_millis(400) };
+    /// For the many settings of a sweep.
+    pub const SWEEP: Effort =
+        Effort { shortest_turn: Duration::from_millis(5), longest_pass: Duration::from_millis(40) };
+}
 
 /// The warm-up looks at the clock after this many steps.
 const CHUNK: u64 = 16;
@@ -48,14 +62,19 @@ pub struct Timing {
 
 /// Times all candidates, taking turns. An entry is `None` where a step failed; the whole is `None` where it was
 /// interrupted. `taken` counts turns, [`ROUNDS`]` + 1` for each candidate.
-pub fn time(candidates: &[Candidate], interrupted: &AtomicBool, taken: &AtomicU64) -> Option<Vec<Option<Timing>>> {
+pub fn time(
+    candidates: &[Candidate],
+    effort: Effort,
+    interrupted: &AtomicBool,
+    taken: &AtomicU64,
+) -> Option<Vec<Option<Timing>>> {
     let turn = || {
         taken.fetch_add(1, Ordering::Relaxed);
         !interrupted.load(Ordering::Relaxed)
     };
     let mut plans = Vec::with_capacity(candidates.len());
     for candidate in candidates {
-        plans.push(warm_up(candidate));
+        plans.push(warm_up(candidate, effort));
         if !turn() {
             return None;
         }
@@ -79,18 +98,18 @@ struct Plan {
     passes: u64,
 }
 
-fn warm_up(candidate: &Candidate) -> Option<Plan> {
+fn warm_up(candidate: &Candidate, effort: Effort) -> Option<Plan> {
     let mut engine = (candidate.build)()?;
     let begin = ThreadTime::now();
     let mut steps = 0;
-    while steps < candidate.steps && begin.elapsed() < LONGEST_PASS {
+    while steps < candidate.steps && begin.elapsed() < effort.longest_pass {
         for _ in 0..CHUNK.min(candidate.steps - steps) {
             engine.step().ok()?;
             steps += 1;
         }
     }
     let seconds = begin.elapsed().as_secs_f64().max(1e-9);
-    let passes = (SHORTEST_PASS.as_secs_f64() / seconds).ceil().clamp(1.0, 1e4) as u64;
+    let passes = (effort.shortest_turn.as_secs_f64() / seconds).ceil().clamp(1.0, 1e4) as u64;
     (steps > 0).then_some(Plan { steps, passes })
 }
 
@@ -120,13 +139,29 @@ fn summary(plan: Plan, mut times: Vec<f64>) -> Option<Timing> {
     })
 }
 
+/// An engine whose step does nothing.
+struct Idle;
+
+impl Engine for Idle {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        Ok(())
+    }
+
+    fn write_state(&self, _: &mut State) {}
+}
+
+/// Processor time that the loop around a step takes, s: what an engine that does nothing would be charged.
+pub fn overhead() -> Option<f64> {
+    let idle = Candidate { build: Box::new(|| Some(std::hint::black_box(Box::new(Idle)))), steps: 1_000_000 };
+    let timings = time(&[idle], Effort::SWEEP, &AtomicBool::new(false), &AtomicU64::new(0))?;
+    timings.first().copied().flatten().map(|timing| timing.median)
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::engines::StepFailure;
-    use crate::mechanics::State;
 
     /// Spends about the given processor time in every step.
     struct Busy(Duration);
@@ -150,7 +185,8 @@ mod tests {
     #[test]
     fn an_engine_that_takes_twice_as_long_is_found_to() {
         let (one, two) = (Duration::from_micros(50), Duration::from_micros(100));
-        let found = time(&[candidate(one, 40), candidate(two, 40)], &AtomicBool::new(false), &AtomicU64::new(0));
+        let found =
+            time(&[candidate(one, 40), candidate(two, 40)], Effort::FULL, &AtomicBool::new(false), &AtomicU64::new(0));
         let found = found.expect("not interrupted");
         let (a, b) = (found[0].expect("timed"), found[1].expect("timed"));
         assert!((a.median / 50e-6 - 1.0).abs() < 0.1, "{a:?}");
@@ -163,14 +199,21 @@ mod tests {
     fn a_long_run_is_timed_over_its_first_part() {
         let begin = Instant::now();
         let slow = candidate(Duration::from_millis(2), 1_000_000);
-        let plan = warm_up(&slow).expect("steps");
+        let plan = warm_up(&slow, Effort::FULL).expect("steps");
         assert!(plan.steps >= 190 && plan.steps <= 224 && plan.passes == 1, "{} steps", plan.steps);
         assert!(begin.elapsed() < Duration::from_secs(20));
     }
 
     #[test]
+    fn the_loop_around_a_step_costs_less_than_a_tenth_of_a_microsecond() {
+        let overhead = overhead().expect("timed");
+        // measured 2 ns
+        assert!(overhead > 0.0 && overhead < 1e-7, "{overhead:e}");
+    }
+
+    #[test]
     fn an_engine_that_cannot_be_built_has_no_time() {
         let none = Candidate { build: Box::new(|| None), steps: 10 };
-        assert_eq!(time(&[none], &AtomicBool::new(false), &AtomicU64::new(0)), Some(vec![None]));
+        assert_eq!(time(&[none], Effort::FULL, &AtomicBool::new(false), &AtomicU64::new(0)), Some(vec![None]));
     }
 }

@@ -1,14 +1,15 @@
 //! Several engines at several step sizes on one system: all traced runs, then all timed ones.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::Horizon;
-use super::clock::{self, Candidate, Timing};
+use super::batch::{self, Batch};
+use super::clock::{self, Effort, Timing};
 use super::structure::{self, Structure};
-use super::trace::{self, Limits, Outcome, Trace};
-use crate::engines::{self, Spec};
+use super::trace::{Limits, Trace};
+use super::truth::Truth;
+use crate::engines::Spec;
 use crate::mechanics::System;
 
 /// What is compared.
@@ -71,29 +72,28 @@ impl Comparison<'_> {
 
     /// Runs everything; `interrupted` may be set from outside at any time.
     pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
-        let cases: Vec<(&Spec, Horizon)> =
-            self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
-        let limits = Limits { budget: self.budget, interrupted, taken: &progress.traced };
-        let traces = self.trace_all(&cases, &limits);
-        let missing = traces.iter().any(Option::is_none);
-        let structures = self.examine_all(&cases, &Limits { taken: &progress.examined, ..limits });
-        let mut runs: Vec<Run> = cases
-            .into_iter()
-            .zip(traces)
-            .zip(structures)
-            .filter_map(|(((spec, horizon), trace), structure)| {
-                Some(Run { engine: spec.clone(), horizon, trace: trace?, structure, timing: None })
-            })
-            .collect();
-        let timed = !missing && self.time_all(&mut runs, interrupted, progress);
-        Results { runs, interrupted: !timed }
+        let mut results = self.trace(None, interrupted, progress);
+        if !results.interrupted {
+            results.interrupted = !self.time(&mut results.runs, interrupted, progress);
+        }
+        results
     }
 
-    /// Traces all cases, those with the most steps first.
-    fn trace_all(&self, cases: &[(&Spec, Horizon)], limits: &Limits) -> Vec<Option<Trace>> {
-        let mut order: Vec<usize> = (0..cases.len()).collect();
-        order.sort_by_key(|&i| std::cmp::Reverse(cases[i].1.steps));
-        self.on_threads(&order, |i| self.trace_one(cases[i].0, cases[i].1, limits))
+    /// The traced runs alone, their positions compared with the truth where it is known, and what a few steps of each
+    /// preserve.
+    pub fn trace(&self, truth: Option<&Truth>, interrupted: &AtomicBool, progress: &Progress) -> Results {
+        let cases: Vec<(&Spec, Horizon)> =
+            self.engines.iter().flat_map(|spec| self.horizons.iter().map(move |h| (spec, *h))).collect();
+        let &Comparison { system, budget, jobs, .. } = self;
+        let batch = Batch { system, cases: cases.clone(), truth, budget, together: None, jobs };
+        let found = batch.trace(interrupted, &progress.traced);
+        let missing = found.iter().any(Option::is_none);
+        let structures = self.examine_all(&cases, &Limits { budget, interrupted, taken: &progress.examined });
+        let runs = found.into_iter().zip(structures);
+        Results {
+            runs: runs.filter_map(|(run, structure)| Some(Run { structure, ..run? })).collect(),
+            interrupted: missing,
+        }
     }
 
     /// Examines a few steps of every case, all from the same state.
@@ -104,7 +104,7 @@ impl Comparison<'_> {
         let shortest = cases.iter().map(|(_, horizon)| horizon.end).fold(f64::INFINITY, f64::min);
         let (state, at) = structure::examined_state(self.system, shortest);
         let order: Vec<usize> = (0..cases.len()).collect();
-        self.on_threads(&order, |i| {
+        batch::on_threads(self.jobs, &order, |i| {
             let (spec, horizon) = cases[i];
             let found = structure::examine(self.system, spec, horizon.step, (&state, at), limits);
             limits.taken.fetch_add(1, Ordering::Relaxed);
@@ -112,58 +112,8 @@ impl Comparison<'_> {
         })
     }
 
-    /// Does the pieces of work named by `order` on `jobs` threads; the results stand at their own places.
-    fn on_threads<T: Send>(&self, order: &[usize], work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
-        let next = AtomicUsize::new(0);
-        let found: Vec<Mutex<Option<T>>> = order.iter().map(|_| Mutex::new(None)).collect();
-        std::thread::scope(|scope| {
-            for _ in 0..self.jobs.clamp(1, order.len().max(1)) {
-                scope.spawn(|| {
-                    while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let result = work(i);
-                        if let Ok(mut slot) = found[i].lock() {
-                            *slot = result;
-                        }
-                    }
-                });
-            }
-        });
-        found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
-    }
-
-    fn trace_one(&self, spec: &Spec, horizon: Horizon, limits: &Limits) -> Option<Trace> {
-        match engines::build(spec, self.system, horizon.step) {
-            Ok(mut engine) => trace::trace(self.system, engine.as_mut(), horizon, limits),
-            Err(unsupported) => {
-                limits.taken.fetch_add(horizon.steps, Ordering::Relaxed);
-                Some(Trace::unsupported(unsupported.what))
-            }
-        }
-    }
-
-    /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.
-    fn time_all(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
-        let worth = |run: &Run| match run.trace.outcome {
-            Outcome::Completed | Outcome::OverBudget { .. } => run.trace.steps > 0,
-            _ => false,
-        };
-        let timings = {
-            let candidates: Vec<Candidate> = runs
-                .iter()
-                .filter(|run| worth(run))
-                .map(|run| Candidate {
-                    build: Box::new(|| engines::build(&run.engine, self.system, run.horizon.step).ok()),
-                    steps: run.trace.steps,
-                })
-                .collect();
-            let skipped = runs.len() - candidates.len();
-            progress.timed.fetch_add((skipped * (clock::ROUNDS + 1)) as u64, Ordering::Relaxed);
-            clock::time(&candidates, interrupted, &progress.timed)
-        };
-        let Some(timings) = timings else { return false };
-        for (run, timing) in runs.iter_mut().filter(|run| worth(run)).zip(timings) {
-            run.timing = timing;
-        }
-        true
+    /// Times traced runs. False where interrupted.
+    pub(super) fn time(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
+        batch::time(self.system, runs, Effort::FULL, interrupted, &progress.timed)
     }
 }

@@ -3,16 +3,27 @@
 //! A [`Horizon`] says how many steps of which size a run takes. [`trace`](trace::trace) steps an engine over it once and
 //! computes energy, joint residuals and momentum after every step; [`clock`] measures the processor time of the stepping
 //! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows;
-//! [`structure`] what a few steps preserve of the structure of the motion.
+//! [`structure`] what a few steps preserve of the structure of the motion. [`truth`] is the trajectory that [`accuracy`] is
+//! judged by, and [`study`] a comparison with all that belongs to it.
 
+pub mod accuracy;
+mod batch;
 pub mod clock;
 pub mod comparison;
+pub mod convergence;
 pub mod growth;
 pub mod horizon;
+pub mod parity;
 mod quadrature;
+pub mod scaling;
 pub mod series;
+pub mod stability;
 pub mod structure;
+pub mod study;
+pub mod sweep;
 pub mod trace;
+mod trust;
+pub mod truth;
 mod work;
 
 #[cfg(test)]

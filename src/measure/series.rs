@@ -32,6 +32,11 @@ impl Extent {
         }
     }
 
+    /// Half of the range.
+    pub fn half_width(self) -> f64 {
+        0.5 * (self.max - self.min)
+    }
+
     /// Largest absolute value.
     pub fn amplitude(self) -> f64 {
         self.max.max(-self.min)

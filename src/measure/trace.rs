@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Horizon;
+use super::accuracy::{Accuracy, Follower};
 use super::growth::{Growth, Stretch, growth};
 use super::series::Series;
+use super::truth::Truth;
 use super::work::Work;
 use crate::engines::{Engine, StepFailure};
 use crate::mechanics::coordinates::CoordinateTracker;
@@ -65,6 +67,8 @@ pub struct Trace {
     pub residual: Option<constraint::Residual>,
     /// One entry for each component that the scene conserves.
     pub momentum: Vec<MomentumError>,
+    /// Position errors against the truth, where it is known.
+    pub accuracy: Option<Accuracy>,
     /// How far the engine's first state is from the scene's.
     pub start: Option<StartDifference>,
     pub series: Series<QUANTITIES>,
@@ -128,6 +132,7 @@ impl Trace {
             growth: None,
             residual: None,
             momentum: Vec::new(),
+            accuracy: None,
             start: None,
             series: Series::new(0),
         }
@@ -137,7 +142,19 @@ impl Trace {
 /// Steps an engine over the horizon, starting from the system's initial state, and measures every state. `None` where it
 /// was interrupted.
 pub fn trace(system: &System, engine: &mut dyn Engine, horizon: Horizon, limits: &Limits) -> Option<Trace> {
+    trace_against(None, system, engine, horizon, limits)
+}
+
+/// The same, with the positions compared with the truth.
+pub fn trace_against<'a>(
+    truth: Option<&'a Truth>,
+    system: &'a System,
+    engine: &mut dyn Engine,
+    horizon: Horizon,
+    limits: &Limits,
+) -> Option<Trace> {
     let mut probe = Probe::new(system, engine, horizon);
+    probe.follower = truth.map(|truth| Follower::new(system, truth));
     let begin = Instant::now();
     let outcome = loop {
         if probe.taken == horizon.steps {
@@ -199,6 +216,7 @@ struct Probe<'a> {
     residual: constraint::Residual,
     conserved: Vec<(Conserved, f64)>,
     momentum: Vec<f64>,
+    follower: Option<Follower<'a>>,
     start: StartDifference,
     series: Series<QUANTITIES>,
 }
@@ -230,6 +248,7 @@ impl<'a> Probe<'a> {
             joints,
             work,
             waiting: VecDeque::new(),
+            follower: None,
             lag,
             energy: EnergyError::default(),
             corrected: EnergyError::default(),
@@ -280,6 +299,9 @@ impl<'a> Probe<'a> {
             let error = (component.value(system, &self.state) - start) / component.scale;
             *largest = largest.max(error.abs());
         }
+        if let Some(follower) = &mut self.follower {
+            follower.add(time, self.horizon.step, &self.state);
+        }
         self.waiting.push_back(Sample { time, energy, corrected, residual });
         if self.work.is_none() {
             known.push(0.0);
@@ -325,6 +347,7 @@ impl<'a> Probe<'a> {
                 .filter(|_| measured)
                 .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })
                 .collect(),
+            accuracy: self.follower.and_then(Follower::finish),
             start: Some(self.start),
             series: self.series,
         }
@@ -332,6 +355,11 @@ impl<'a> Probe<'a> {
 }
 
 fn start_difference(system: &System, state: &State) -> StartDifference {
+    start_difference_as(system, system, state)
+}
+
+/// The same where the engine's energy is that of the masses and gravity of `theirs`.
+pub(super) fn start_difference_as(theirs: &System, system: &System, state: &State) -> StartDifference {
     let mut all = StartDifference::default();
     for (a, b) in state.bodies.iter().zip(&system.initial.bodies) {
         all.position = all.position.max((a.position - b.position).norm());
@@ -339,7 +367,7 @@ fn start_difference(system: &System, state: &State) -> StartDifference {
         all.velocity = all.velocity.max((a.velocity - b.velocity).norm());
         all.angular_velocity = all.angular_velocity.max((a.angular_velocity - b.angular_velocity).norm());
     }
-    let (theirs, ours) = (energy::energy(system, state).total(), energy::energy(system, &system.initial).total());
+    let (theirs, ours) = (energy::energy(theirs, state).total(), energy::energy(system, &system.initial).total());
     all.energy = ((theirs - ours) / system.energy_scale).abs();
     all
 }

@@ -310,6 +310,9 @@ fn principal(model: &Model, assembly: &Assembly) -> Principal {
         })
         .sum();
     let (moments, axes) = diagonalise(&inertia);
+    // Nothing can be divided by what is below the normal numbers: it is none.
+    let normal = |x: f64| if x < f64::MIN_POSITIVE { 0.0 } else { x };
+    let (mass, moments) = (normal(mass), moments.map(normal));
     Principal { mass, moments, body_in_assembly: Isometry3::from_parts(Translation3::from(com), axes) }
 }
 

@@ -1,5 +1,7 @@
 //! What a URDF and a scene file say, as plain validated data in SI units. Nothing here knows dynamics.
 
+pub mod assemble;
+pub mod bounds;
 mod document;
 mod error;
 pub mod generate;
@@ -16,6 +18,7 @@ mod urdf;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
+pub use bounds::{Bound, Limit, read_bounds};
 pub use error::{ModelError, Position, Problem};
 pub use scene::{Base, Scene};
 pub use scene_error::{SceneError, SceneProblem};

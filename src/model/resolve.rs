@@ -6,23 +6,22 @@ use std::path::Path;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::error::Position;
-use super::scene::{Anchor, Base, Bound, Drive, JointInitial, Loop, LoopKind, Place, Scene, Spring};
+use super::scene::{Anchor, Base, Drive, JointInitial, Loop, LoopKind, Place, Scene, Spring};
 use super::scene_error::{SceneError, SceneProblem, not_negative, positive};
 use super::scene_file::{
-    AnchorFile, BaseFile, BaseStateFile, BoundFile, DriveFile, JointStateFile, LoopFile, LoopKindFile, Numbers,
-    SceneFile, SpringFile,
+    AnchorFile, BaseFile, BaseStateFile, DriveFile, JointStateFile, LoopFile, LoopKindFile, Numbers, SceneFile,
+    SpringFile,
 };
 use super::tree::WORLD;
 use super::urdf::{direction, pose_of, read_text};
-use super::{JointKind, Model, read_urdf_with_density};
+use super::{JointKind, Model, bounds, read_urdf_with_density};
 
 /// How far the length of a quaternion may be from 1: the digits that files print.
 const QUATERNION_LENGTH: f64 = 1e-6;
 
 /// Reads a scene `.json` file and the URDF that it names.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
-    let file = parse(path, &text)?;
+    let file: SceneFile = read_json(path)?;
     let urdf = path.parent().unwrap_or(Path::new("")).join(&file.model);
     let fault = |problem| SceneError::of(path, problem);
     if !urdf.is_file() {
@@ -34,9 +33,10 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     scene(file, &name_of(path), model).map_err(fault)
 }
 
-/// The JSON of a scene file, nothing before or after it.
-fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
-    let mut json = serde_json::Deserializer::from_str(text);
+/// A file of JSON, nothing before or after it.
+pub(super) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, SceneError> {
+    let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
+    let mut json = serde_json::Deserializer::from_str(&text);
     let file = serde_path_to_error::deserialize(&mut json).map_err(|e| {
         let key = e.path().to_string();
         json_error(path, &key, e.inner())
@@ -84,7 +84,7 @@ fn scene(file: SceneFile, name: &str, model: Model) -> Result<Scene, SceneProble
         loops: loops(&file.loops, &names)?,
         springs: numbered(&file.springs, "springs", |key, spring| names.spring(key, spring))?,
         drives: numbered(&file.drives, "drives", |key, drive| names.drive(key, drive))?,
-        bounds: numbered(&file.bounds, "bounds", bound)?,
+        bounds: numbered(&file.bounds, "bounds", bounds::resolve)?,
         duration: positive("duration", "s", file.duration)?,
         steps: steps(&file.steps)?,
         name: name.to_owned(),
@@ -172,21 +172,6 @@ fn loops(files: &[LoopFile], names: &Names) -> Result<Vec<Loop>, SceneProblem> {
         }
     }
     Ok(resolved)
-}
-
-fn bound(key: &str, file: &BoundFile) -> Result<Bound, SceneProblem> {
-    if file.max.is_none() && file.min.is_none() {
-        let why = "a bound needs \"max\", \"min\" or both";
-        return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "max", why });
-    }
-    Ok(Bound {
-        engine: file.engine.clone(),
-        step: positive(&format!("{key}.step"), "s", file.step)?,
-        duration: positive(&format!("{key}.duration"), "s", file.duration)?,
-        metric: file.metric.clone(),
-        max: file.max,
-        min: file.min,
-    })
 }
 
 /// The names of a model.
@@ -310,6 +295,7 @@ impl<'a> Names<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::bounds::Limit;
 
     /// A scene on a model with a hinge `elbow`, a ball joint `ball` and a weld `weld`.
     fn load(text: &str) -> Scene {
@@ -387,7 +373,7 @@ mod tests {
         assert_eq!((to.link, *rest_length), (None, 2.0));
         let drive = Drive { joint: 0, effort: 1.0, amplitude: 2.0, frequency_hz: 3.0, phase: 4.0 };
         assert_eq!(scene.drives, [drive]);
-        assert_eq!((scene.bounds[0].max, scene.bounds[0].min), (Some(1e-4), None));
+        assert_eq!((&scene.bounds[0].max, &scene.bounds[0].min), (&Some(Limit::Number(1e-4)), &None));
         let needs = ["revolute joints", "ball joints", "welded links", "gravity", "revolute loops"];
         assert_eq!(scene.needs()[..5], needs);
         assert_eq!(scene.needs()[5..], ["joint springs", "point springs", "drives"]);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::{Isometry3, Unit, Vector3};
 
+use super::bounds::Bound;
 use super::scene_error::{SceneError, SceneProblem};
 use super::{Model, read_urdf, resolve};
 
@@ -113,21 +114,6 @@ pub struct Drive {
     pub frequency_hz: f64,
     /// rad
     pub phase: f64,
-}
-
-/// What a figure of a run must keep to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bound {
-    /// Engine spec, as written.
-    pub engine: String,
-    /// s
-    pub step: f64,
-    /// s
-    pub duration: f64,
-    /// Path of the figure in a report's run, such as `energy.max_relative_error`.
-    pub metric: String,
-    pub max: Option<f64>,
-    pub min: Option<f64>,
 }
 
 impl Scene {

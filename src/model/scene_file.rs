@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use super::bounds::BoundFile;
 use super::scene;
 
 /// A scene: a URDF model with gravity, an initial state, loops, springs, drives, a duration and bounds. SI units:
@@ -246,25 +247,6 @@ pub struct DriveFile {
     /// rad
     #[serde(default)]
     pub phase: f64,
-}
-
-/// What a figure of a run must keep to; `max`, `min` or both.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(extend("anyOf" = [{ "required": ["max"] }, { "required": ["min"] }]))]
-pub struct BoundFile {
-    /// Engine spec, such as `rattle` or `rapier:joints=multibody`.
-    pub engine: String,
-    /// s
-    pub step: f64,
-    /// s
-    pub duration: f64,
-    /// Path of the figure in a report's run, such as `energy.max_relative_error`.
-    pub metric: String,
-    #[serde(default)]
-    pub max: Option<f64>,
-    #[serde(default)]
-    pub min: Option<f64>,
 }
 
 /// A JSON object as a list in the order of the file; a name that stands twice is an error.

@@ -14,7 +14,7 @@ pub struct Metric {
 }
 
 /// All figures. A new one is one entry here.
-pub const METRICS: [Metric; 16] = [
+pub const METRICS: [Metric; 26] = [
     Metric {
         name: "energy.max_relative_error",
         unit: "of the energy scale",
@@ -48,8 +48,26 @@ pub const METRICS: [Metric; 16] = [
     Metric {
         name: "energy.growth_exponent",
         unit: "",
-        summary: "the spread of the energy error grows like this power of time",
+        summary: "the energy error grows like this power of time; 0 where no growth was established",
         value: |r| r.energy.as_ref()?.growth_exponent,
+    },
+    Metric {
+        name: "energy.growth_exponent_low",
+        unit: "",
+        summary: "lower end of the exponent's 95 % interval",
+        value: |r| Some(r.energy.as_ref()?.growth_exponent_interval?[0]),
+    },
+    Metric {
+        name: "energy.growth_exponent_high",
+        unit: "",
+        summary: "upper end of the exponent's 95 % interval",
+        value: |r| Some(r.energy.as_ref()?.growth_exponent_interval?[1]),
+    },
+    Metric {
+        name: VERDICT,
+        unit: "bounded < random_walk < drift < blow_up",
+        summary: "how the energy error grows, as a word",
+        value: |r| Some(f64::from(r.energy.as_ref()?.verdict? as u8)),
     },
     Metric {
         name: "constraint.max_position",
@@ -68,6 +86,42 @@ pub const METRICS: [Metric; 16] = [
         unit: "of its scale",
         summary: "largest error of a conserved component of momentum",
         value: |r| Some(r.momentum.as_ref()?.max_relative_error),
+    },
+    Metric {
+        name: "accuracy.max_joint_error",
+        unit: "rad or m",
+        summary: "largest error of a joint position against the reference, as long as it is trusted",
+        value: |r| Some(r.accuracy.as_ref()?.max_joint_error),
+    },
+    Metric {
+        name: "accuracy.rms_joint_error",
+        unit: "rad or m",
+        summary: "root mean square of the joint position errors",
+        value: |r| Some(r.accuracy.as_ref()?.rms_joint_error),
+    },
+    Metric {
+        name: "accuracy.max_position_error_m",
+        unit: "m",
+        summary: "largest error of the place of a centre of mass",
+        value: |r| Some(r.accuracy.as_ref()?.max_position_error_m),
+    },
+    Metric {
+        name: "accuracy.rms_position_error_m",
+        unit: "m",
+        summary: "root mean square of these",
+        value: |r| Some(r.accuracy.as_ref()?.rms_position_error_m),
+    },
+    Metric {
+        name: "accuracy.max_attitude_error_rad",
+        unit: "rad",
+        summary: "largest error of an attitude",
+        value: |r| Some(r.accuracy.as_ref()?.max_attitude_error_rad),
+    },
+    Metric {
+        name: "accuracy.rms_attitude_error_rad",
+        unit: "rad",
+        summary: "root mean square of these",
+        value: |r| Some(r.accuracy.as_ref()?.rms_attitude_error_rad),
     },
     Metric {
         name: "structure.symplecticity.defect",
@@ -111,4 +165,18 @@ pub const METRICS: [Metric; 16] = [
         summary: "processor time for a simulated second",
         value: |r| Some(r.time.as_ref()?.s_per_simulated_s),
     },
+    Metric {
+        name: TIME_RATIO,
+        unit: "",
+        summary: "processor time a step, over that of another engine in the same comparison; a bound names it by \"against\"",
+        value: |_| None,
+    },
 ];
+
+/// The figure that is a word: the number of its value is the place in [`Verdict::ALL`].
+///
+/// [`Verdict::ALL`]: crate::measure::growth::Verdict::ALL
+pub const VERDICT: &str = "energy.verdict";
+
+/// The figure that belongs to two runs.
+pub const TIME_RATIO: &str = "time.us_per_step_ratio";

@@ -25,6 +25,21 @@ pub fn written(x: f64) -> String {
     }
 }
 
+/// A value of a parameter in few letters: `10⁻⁷`, `3`, `−π`, `0.05`.
+pub fn compact(value: f64) -> String {
+    let (size, sign) = (value.abs(), if value < 0.0 { "−" } else { "" });
+    if (size - std::f64::consts::PI).abs() < 1e-12 {
+        return format!("{sign}π");
+    }
+    let exponent = size.log10().round();
+    let is_power = (size / 10f64.powf(exponent) - 1.0).abs() < 1e-9;
+    match size {
+        0.05..5000.0 | 0.0 => format!("{sign}{}", plain(size, 3)),
+        _ if is_power => format!("{sign}{}", power_of_ten(exponent as i32)),
+        _ => format!("{sign}{}", written(size)),
+    }
+}
+
 /// A duration in the unit that suits it: `10 ms`, `0.5 ms`, `2 s`.
 pub fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
@@ -65,6 +80,12 @@ fn superscript(n: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_of_parameters_are_short() {
+        let words = [-1e6, -std::f64::consts::PI, 0.0, 1e-12, 0.05, 3.0, 2000.0, 1e7].map(compact);
+        assert_eq!(words, ["−10⁶", "−π", "0", "10⁻¹²", "0.05", "3", "2000", "10⁷"]);
+    }
 
     #[test]
     fn numbers_read_well() {

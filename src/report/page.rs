@@ -4,9 +4,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::number::{duration, plain, written};
-use super::record::{Report, Run, SceneRecord, Versions};
-use super::{finding, table};
+use super::number::{duration, plain, short, written};
+use super::record::{Machine, Report, Run, SceneRecord, Versions};
+use super::summary::{self, Words};
+use super::{evidence, finding, table};
 
 /// A chart to be put into the page.
 #[derive(Debug)]
@@ -23,10 +24,18 @@ pub fn html(report: &Report, pictures: &[Picture]) -> String {
         @if report.interrupted {
             p.warning { "The comparison was interrupted: runs or their timings are missing." }
         }
+        @if report.parity.as_ref().is_some_and(|parity| !parity.agrees) {
+            p.warning { "Not all engines have the same mechanical system: see Parity." }
+        }
         (finding_box(&finding::sentence(report)))
+        @if let Some(sentence) = report.sweep.as_ref().and_then(summary::sentence) { (finding_box(&sentence)) }
         @for picture in pictures { (figure(picture)) }
+        @if let Some(sweep) = &report.sweep { (costs(sweep)) }
         (runs(report))
         (structure(report))
+        @if let Some(sweep) = &report.sweep { (convergence(sweep)) }
+        @if let Some(reference) = &report.reference { (reference_of(reference)) }
+        @if let Some(parity) = &report.parity { (parity_of(parity)) }
         (scene(&report.scene))
         (environment(report))
     };
@@ -79,10 +88,14 @@ fn runs(report: &Report) -> Markup {
         p.small {
             "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
              energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
-             the time of the velocities, for engines that return the two at different times. Joint error: the largest \
+             the time of the velocities, for engines that return the two at different times. Position error: the \
+             largest error of a joint position against the reference, as long as that is trusted. Joint error: the largest \
              displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
-             grows over the run; a run of few swings can mislead, a longer one decides. CPU time: of the stepping alone, on \
+             grows over the run; a run of few swings can mislead, a longer one decides; one of fewer than 2000 steps is not judged. CPU time: of the stepping alone, on \
              one thread, median of the repeats; long runs are timed over their first part."
+            @if let Some(overhead) = report.timing.as_ref().and_then(|t| t.overhead_us_per_step) {
+                " The loop around a step takes " (plain(1e3 * overhead, 2)) " ns of it."
+            }
         }
     }
 }
@@ -140,6 +153,93 @@ fn notes(report: &Report, of: fn(&Run) -> Option<&str>) -> Markup {
     }
 }
 
+/// A table of words.
+pub(super) fn words(words: &Words) -> Markup {
+    html! {
+        div.wide {
+            table {
+                thead { tr { @for head in &words.head { th.word { (head) } } } }
+                tbody { @for row in &words.rows { tr { @for cell in row { td.word { (cell) } } } } }
+            }
+        }
+    }
+}
+
+fn costs(sweep: &evidence::Sweep) -> Markup {
+    html! {
+        @if let Some(targets) = summary::targets(sweep) {
+            h2 { "What accuracy costs" }
+            (words(&targets))
+            p.small {
+                "CPU seconds a simulated second of the cheapest setting of each engine whose largest joint position error (rad \
+                 or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, and that setting. \
+                 The reference is known to " (written(sweep.reference_error)) "."
+            }
+        }
+    }
+}
+
+fn convergence(sweep: &evidence::Sweep) -> Markup {
+    html! {
+        @if let Some(table) = summary::convergence(sweep) {
+            h2 { "Convergence" }
+            (words(&table))
+            p.small {
+                "The order is the slope of the joint position error over the step size at the finest steps above the floor; the \
+                 floor is the smallest error, where shorter steps no longer reduce it. A floor at roundoff is no defect; one far \
+                 above it comes from single precision, clamps, or constraints that are solved only in part."
+            }
+        }
+    }
+}
+
+fn reference_of(reference: &evidence::Reference) -> Markup {
+    html! {
+        h2 { "Reference" }
+        dl {
+            dt { "Method" } dd { (reference.method) }
+            dt { "Trusted until" } dd { (plain(reference.trusted_until_s, 4)) " s" }
+            dt { "Estimated error" } dd { (written(reference.error_estimate)) ", of positions over the reach, of attitudes in rad" }
+        }
+    }
+}
+
+fn parity_of(parity: &evidence::Parity) -> Markup {
+    let absent = |x: Option<f64>| x.map_or("–".to_string(), short);
+    html! {
+        h2 { "Parity" }
+        div.wide {
+            table {
+                thead {
+                    tr {
+                        th.word { "engine" }
+                        @for head in ["mass", "inertia", "centre of mass, m", "energy", "linear momentum", "angular momentum",
+                                      "acceleration", "solved", "agrees"] { th.number { (head) } }
+                    }
+                }
+                tbody {
+                    @for e in &parity.engines {
+                        tr {
+                            td.word { (e.engine) }
+                            @for x in [e.mass, e.inertia, e.com_m, Some(e.energy), Some(e.linear_momentum),
+                                       Some(e.angular_momentum), e.acceleration, e.acceleration_solved] {
+                                td.number { (absent(x)) }
+                            }
+                            td.number { @if e.agrees { "yes" } @else { "no" } }
+                        }
+                    }
+                }
+            }
+        }
+        p.small {
+            "Relative differences at t = 0 between what an engine has and the system. Masses, inertias and centres of mass are \
+             read back from engines that keep their own. Accelerations are those of the joints, from the first steps of the engine, \
+             against the reference; solved: the same with the constraints solved to the end, where the settings of the engine \
+             leave them half solved. In single precision and with impulse joints they are told and not judged; what is read back is."
+        }
+    }
+}
+
 fn scene(scene: &SceneRecord) -> Markup {
     let [x, y, z] = scene.gravity;
     html! {
@@ -173,7 +273,18 @@ fn scene(scene: &SceneRecord) -> Markup {
 }
 
 fn environment(report: &Report) -> Markup {
-    let (machine, versions) = (&report.machine, &report.versions);
+    let versions = &report.versions;
+    html! {
+        (machine_list(&report.machine))
+        (version_list(versions))
+        @if versions.profile != "release" {
+            p.warning { "This was not a release build: its timings say little about any engine." }
+        }
+        (command_line(&report.command))
+    }
+}
+
+pub(super) fn machine_list(machine: &Machine) -> Markup {
     html! {
         h2 { "Machine" }
         dl {
@@ -181,11 +292,6 @@ fn environment(report: &Report) -> Markup {
             @if let Some(cores) = machine.logical_cores { dt { "Logical cores" } dd { (cores) } }
             dt { "System" } dd { (machine.os) ", " (machine.architecture) }
         }
-        (version_list(versions))
-        @if versions.profile != "release" {
-            p.warning { "This was not a release build: its timings say little about any engine." }
-        }
-        (command_line(&report.command))
     }
 }
 

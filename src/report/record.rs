@@ -3,10 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::measure::clock::Timing;
+use super::evidence::{Accuracy, Parity, Reference, Sweep, Timing};
+use crate::measure::clock;
 use crate::measure::comparison::{Results, Run as MeasuredRun};
 use crate::measure::growth::Verdict;
 use crate::measure::series::{Block, Extent};
+use crate::measure::study::Findings;
 use crate::measure::trace::{self, MomentumError, Outcome as Ended, Trace};
 use crate::mechanics::System;
 use crate::model::{Ignored, Scene};
@@ -16,8 +18,9 @@ pub use super::structure::{CorrectedStructure, Memory, MomentumMap, Reversibilit
 /// Name and version of the format.
 pub const SCHEMA: &str = "rattlebench/report/1";
 
-/// A comparison of engines on one scene. Everything but `machine` and the `time` of each run is the same, byte for byte,
-/// whenever the same program compares the same scene by the same command.
+/// A comparison of engines on one scene. Everything but `machine` and what is measured by the clock (`timing`, the
+/// `time` of each run, the `targets` of the sweep) is the same, byte for byte, whenever the same program compares the same
+/// scene by the same command and no run goes over its budget.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     /// Always `rattlebench/report/1`.
@@ -30,7 +33,19 @@ pub struct Report {
     /// The comparison was interrupted: runs or their timing are missing.
     #[serde(default, skip_serializing_if = "is_false")]
     pub interrupted: bool,
+    /// The evidence that all engines were given one mechanical system.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parity: Option<Parity>,
+    /// What positions are compared with; absent where no truth could be found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
+    /// How processor times were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timing: Option<Timing>,
     pub runs: Vec<Run>,
+    /// Every engine at many settings, over the first part of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
 }
 
 /// What was simulated.
@@ -108,6 +123,9 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
+    /// Position errors against the reference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// What a few steps preserve of the structure of the motion; only where it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub structure: Option<Structure>,
@@ -164,9 +182,13 @@ pub struct Energy {
     /// Slope of a straight line through the error, 1/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slope_per_s: Option<f64>,
-    /// The spread of the error grows like this power of time.
+    /// The error grows like this power of time; 0 where no growth was established.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth_exponent: Option<f64>,
+    /// Its 95 % confidence interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth_exponent_interval: Option<[f64; 2]>,
+    /// Absent where the run was too short to be judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// For an engine whose positions and velocities belong to different times: the same errors with the positions moved
@@ -245,7 +267,22 @@ impl Report {
             versions: super::environment::versions(),
             command,
             interrupted: results.interrupted,
+            parity: None,
+            reference: None,
+            timing: None,
+            sweep: None,
             runs: results.runs.iter().map(|run| Run::new(run, system)).collect(),
+        }
+    }
+
+    /// The record of a comparison with the evidence for it.
+    pub fn of_study(scene: &Scene, system: &System, findings: &Findings, command: String) -> Report {
+        Report {
+            parity: Parity::new(&findings.parity),
+            reference: findings.truth.as_ref().map(Reference::new),
+            timing: findings.overhead.map(|_| Timing::new(findings)),
+            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system)),
+            ..Report::new(scene, system, &findings.results, command)
         }
     }
 
@@ -306,7 +343,7 @@ impl SceneRecord {
 }
 
 impl Run {
-    fn new(run: &MeasuredRun, system: &System) -> Run {
+    pub(super) fn new(run: &MeasuredRun, system: &System) -> Run {
         let trace = &run.trace;
         let (outcome, outcome_detail) = match &trace.outcome {
             Ended::Completed => (Outcome::Completed, None),
@@ -336,6 +373,7 @@ impl Run {
                 .map(|r| Constraint { max_position: r.position, max_velocity: r.velocity })
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
+            accuracy: trace.accuracy.map(Accuracy::new),
             structure: run.structure.as_ref().map(Structure::from),
             time: run.timing.map(|t| time(t, run.horizon.step)),
             series: (!trace.series.blocks.is_empty()).then(|| series(trace)),
@@ -349,8 +387,9 @@ fn energy(trace: &Trace, scale_j: f64) -> Option<Energy> {
         scale_j,
         max_relative_error: e.max,
         final_relative_error: e.last,
-        slope_per_s: growth.map(|g| g.slope_per_s),
-        growth_exponent: growth.and_then(|g| g.exponent),
+        slope_per_s: growth.and_then(|g| g.slope_per_s),
+        growth_exponent: growth.and_then(|g| g.exponent).map(|e| e.value),
+        growth_exponent_interval: growth.and_then(|g| g.exponent).map(|e| [e.low, e.high]),
         verdict: growth.map(|g| g.verdict),
         time_level_corrected: trace
             .time_level_corrected
@@ -367,7 +406,7 @@ fn momentum(errors: &[MomentumError]) -> Option<Momentum> {
     Some(Momentum { max_relative_error, components })
 }
 
-fn time(timing: Timing, step: f64) -> Time {
+fn time(timing: clock::Timing, step: f64) -> Time {
     Time {
         us_per_step: 1e6 * timing.median,
         us_per_step_min: 1e6 * timing.min,

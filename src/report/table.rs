@@ -18,7 +18,7 @@ fn or_absent(text: Option<String>) -> String {
     text.unwrap_or_else(|| ABSENT.to_string())
 }
 
-const COLUMNS: [Column; 10] = [
+const COLUMNS: [Column; 11] = [
     Column { heading: "step", unit: "", number: true, cell: |r| duration(r.step_s) },
     Column { heading: "outcome", unit: "", number: false, cell: outcome },
     Column {
@@ -42,6 +42,12 @@ const COLUMNS: [Column; 10] = [
         unit: "verdict",
         number: false,
         cell: |r| or_absent(r.energy.as_ref().and_then(|e| e.verdict).map(|v| v.words().to_string())),
+    },
+    Column {
+        heading: "position error",
+        unit: "rad or m",
+        number: true,
+        cell: |r| or_absent(r.accuracy.as_ref().map(|a| short(a.max_joint_error))),
     },
     Column {
         heading: "joint error",

@@ -27,6 +27,11 @@ impl<const N: usize> Compensated<N> {
         self.value + (increment + self.rest)
     }
 
+    /// Drops what did not fit, as a plain sum does.
+    pub(super) fn forget(&mut self) {
+        self.rest = SVector::zeros();
+    }
+
     /// Adds an increment.
     #[inline(always)]
     pub(super) fn add(&mut self, increment: &SVector<f64, N>) {

@@ -84,6 +84,11 @@ fn settled(found: f64, given: f64) -> f64 {
 }
 
 impl JointForce {
+    /// A planted fault: the damper's sign.
+    pub(super) fn push_instead_of_damping(&mut self) {
+        self.damping = -self.damping;
+    }
+
     /// Whether the force depends on the motion of the step, and so adds to `D`.
     pub(super) fn is_implicit(&self) -> bool {
         self.stiffness > 0.0 || self.damping > 0.0

@@ -2,8 +2,9 @@
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
-//! body turns by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`substep`] takes a step
-//! that fails in halves.
+//! body turns by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`substep`] takes a
+//! step that fails in halves. Loops, couplings and springs between points are rows across the tree, whose Schur complement is
+//! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
 
 pub mod adaptive;
 mod attitude;
@@ -11,6 +12,8 @@ mod bonds;
 mod compensated;
 #[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
 pub mod composition;
+#[doc(hidden)]
+pub mod fault;
 mod forces;
 mod free_body;
 mod joints;
@@ -29,6 +32,8 @@ mod tableau;
 mod tree;
 
 pub use adaptive::Adaptive;
+#[doc(hidden)]
+pub use fault::Fault;
 pub use lobatto::Lobatto;
 pub use method::Method;
 pub use rattle::{Failure, Rattle};

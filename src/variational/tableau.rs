@@ -130,8 +130,9 @@ mod tests {
             let t = Pair::new(s);
             let power = |x: f64, k: usize| x.powi(k as i32);
             let quadrature = |k: usize| (0..s).map(|i| t.b[i] * power(t.c[i], k - 1)).sum::<f64>() - 1.0 / k as f64;
-            // measured 5.0e-16
-            assert!((1..=2 * s - 2).all(|k| quadrature(k).abs() <= 1e-15), "{s}");
+            let worst = (1..=2 * s - 2).map(|k| quadrature(k).abs()).fold(0.0, f64::max);
+            println!("{s}: {worst:e}");
+            assert!(worst <= 3e-15, "{s}: {worst:e}");
             assert!(quadrature(2 * s - 1).abs() > 1e-4, "{s}");
             for k in 1..=s {
                 for i in 0..s {

@@ -10,6 +10,8 @@ pub struct Held {
     /// In the order of [`System::bodies`].
     pub bodies: Vec<HeldBody>,
     pub state: State,
+    /// Whether rapier keeps all this in single precision.
+    pub single: bool,
 }
 
 /// Mass properties of one of rapier's bodies.

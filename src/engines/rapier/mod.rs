@@ -80,3 +80,16 @@ pub fn hold(spec: &Spec, system: &System, step: f64) -> Result<Held, Unsupported
         Precision::Double => double::World::new(system, &settings, step)?.held(),
     })
 }
+
+/// Rapier with impulse joints that do not yield and that are solved to the end in one substep, in the precision of a
+/// spec: how it moves then is how the system moves that it holds. `None` with multibody joints, which leave nothing to
+/// solve.
+pub(super) fn converged(spec: &Spec) -> Option<Spec> {
+    let settings = Settings::new(spec);
+    let precision = match settings.precision {
+        Precision::Single => "f32",
+        Precision::Double => "f64",
+    };
+    let text = format!("rapier:precision={precision},substeps=1,iterations=3000,stabilization=0,softness_hz=1e12");
+    if settings.multibody { None } else { Spec::parse(&text).ok() }
+}

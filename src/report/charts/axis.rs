@@ -20,8 +20,8 @@ pub enum Axis {
     },
 }
 
-/// Values keep this far from the ends of a logarithmic axis, in decades.
-const EDGE: f64 = 0.07;
+/// Values keep this far from the ends of a logarithmic axis, as a fraction of its length: half a marker.
+const EDGE: f64 = 0.03;
 
 impl Axis {
     /// The whole decades, at least one, that hold all values; what is not positive does not count. Nothing below `floor` or
@@ -34,8 +34,10 @@ impl Axis {
             return None;
         }
         // A marker on the very edge would be cut.
-        let from = ((low.log10() - EDGE).floor() as i32).clamp(floor, ceiling - 1);
-        let to = ((high.log10() + EDGE).ceil() as i32).clamp(from + 1, ceiling.max(from + 1));
+        let (low, high) = (low.log10(), high.log10());
+        let edge = EDGE * (high - low).max(1.0);
+        let from = ((low - edge).floor() as i32).clamp(floor, ceiling - 1);
+        let to = ((high + edge).ceil() as i32).clamp(from + 1, ceiling.max(from + 1));
         Some(Axis::Log { from, to })
     }
 
@@ -120,6 +122,9 @@ mod tests {
         let ticks: Vec<String> = axis.key_points(BoldPoints(10)).iter().map(|x| axis.format_ext(x)).collect();
         assert_eq!(ticks, ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert_eq!(Axis::decades([3e-3].into_iter(), -17, 2), Some(Axis::Log { from: -3, to: -2 }));
+        // The marker of 7e-3 would reach beyond 1e-2 on an axis of 14 decades, and does not on one of two.
+        assert_eq!(Axis::decades([2e-16, 7e-3].into_iter(), -18, 2), Some(Axis::Log { from: -17, to: -1 }));
+        assert_eq!(Axis::decades([2e-4, 7e-3].into_iter(), -18, 2), Some(Axis::Log { from: -4, to: -2 }));
         assert_eq!(Axis::decades([1e9, 1e-30].into_iter(), -17, 2), Some(Axis::Log { from: -17, to: 2 }));
         assert_eq!(Axis::decades([0.0, f64::NAN].into_iter(), -17, 2), None);
     }

@@ -22,8 +22,12 @@ pub struct Words<'a> {
     pub y: Option<&'a str>,
 }
 
-/// Covering other words is as bad as covering so many points.
+/// Covering a marker is as bad as covering so many squares along a line, and covering other words is worse.
+const MARKER: usize = 6;
 const WORDS: usize = 20;
+
+/// Words that would cover more than this are left out.
+const TOO_MUCH: usize = 2 * MARKER;
 
 /// Words that belong to a point.
 pub struct Label {
@@ -88,6 +92,12 @@ impl<'a, 'b> Panel<'a, 'b> {
         draw_marker(&canvas, centre, look, hollow)
     }
 
+    /// A small pale dot: one setting among many.
+    pub fn dot(&self, point: (f64, f64), look: Look) -> Result<(), ChartError> {
+        let (centre, canvas) = self.local(point);
+        Ok(canvas.draw(&Circle::new(centre, at(4), look.colour.mix(0.35).filled()))?)
+    }
+
     /// A cross: the run ends here.
     pub fn cross(&self, point: (f64, f64), look: Look) -> Result<(), ChartError> {
         let ((x, y), canvas) = self.local(point);
@@ -101,12 +111,12 @@ impl<'a, 'b> Panel<'a, 'b> {
     }
 
     /// Small words beside points, each where it covers least of the points, and of the lines through them. Words that would
-    /// cover other words are left out.
+    /// cover two markers or other words are left out.
     pub fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
         let mut covered: Vec<Span> = Vec::new();
         for line in lines {
             let pixels: Vec<(i32, i32)> = line.iter().map(|p| self.local(*p).0).collect();
-            covered.extend(pixels.iter().map(|p| Span::around(*p, at(10))));
+            covered.extend(pixels.iter().flat_map(|p| [Span::around(*p, at(10)); MARKER]));
             covered.extend(pixels.windows(2).flat_map(along));
         }
         for label in labels {
@@ -120,7 +130,7 @@ impl<'a, 'b> Panel<'a, 'b> {
                 covered.iter().filter(|r| r.overlaps(place)).count() + if inside { 0 } else { 1000 }
             };
             let Some(place) = Span::beside(centre, size, at(14)).into_iter().min_by_key(cost) else { continue };
-            if cost(&place) >= WORDS {
+            if cost(&place) >= TOO_MUCH {
                 continue;
             }
             canvas.draw(&Text::new(label.words.clone(), (place.left, place.top), style))?;

@@ -68,31 +68,48 @@ pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
 pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub const BLACK: RGBColor = RGBColor(0, 0, 0);
 
-// Three more for when those are taken.
+// More for when those are taken.
 const BROWN: RGBColor = RGBColor(122, 62, 16);
 const OLIVE: RGBColor = RGBColor(150, 138, 10);
 const STONE: RGBColor = RGBColor(125, 125, 125);
+const NAVY: RGBColor = RGBColor(45, 45, 130);
+const TEAL: RGBColor = RGBColor(0, 125, 135);
+const LIME: RGBColor = RGBColor(130, 175, 20);
+
+/// The front of all settings of rapier, in the charts that have one.
+pub const BEST_OF_RAPIER: &str = "rapier, best of its settings";
 
 /// Engines with a place of their own, so that they look the same in every report.
-const KNOWN: [(&str, Look); 4] = [
+const KNOWN: [(&str, Look); 10] = [
     ("rattle", Look { colour: BLUE, marker: Marker::Circle }),
+    ("rattle:order=8", Look { colour: GREEN, marker: Marker::TriangleDown }),
+    ("galerkin", Look { colour: SKY, marker: Marker::Diamond }),
+    ("dop853", Look { colour: BLACK, marker: Marker::Square }),
+    ("rk4", Look { colour: STONE, marker: Marker::Triangle }),
+    ("semi_implicit_euler", Look { colour: OLIVE, marker: Marker::Circle }),
+    (BEST_OF_RAPIER, Look { colour: ORANGE, marker: Marker::Triangle }),
     ("rapier", Look { colour: VERMILLION, marker: Marker::Square }),
     ("rapier:preset=strong", Look { colour: ORANGE, marker: Marker::Triangle }),
     ("rapier:joints=multibody,precision=f64", Look { colour: PURPLE, marker: Marker::Diamond }),
 ];
 
 /// Cool colours for variational engines, warm ones for rapier, for engines without a place of their own.
-const COOL: [RGBColor; 4] = [GREEN, SKY, BLACK, BLUE];
+const COOL: [RGBColor; 7] = [GREEN, SKY, BLACK, NAVY, TEAL, LIME, BLUE];
 const WARM: [RGBColor; 6] = [BROWN, OLIVE, STONE, ORANGE, PURPLE, VERMILLION];
 const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Triangle, Marker::Square, Marker::Circle];
 
 /// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of a
 /// family.
 pub fn looks(report: &Report) -> Vec<(&str, Look)> {
+    looks_of(report.runs.iter().map(|run| run.engine.as_str()))
+}
+
+/// The same for any names, each once.
+pub fn looks_of<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, Look)> {
     let mut engines: Vec<&str> = Vec::new();
-    for run in &report.runs {
-        if !engines.contains(&run.engine.as_str()) {
-            engines.push(&run.engine);
+    for name in names {
+        if !engines.contains(&name) {
+            engines.push(name);
         }
     }
     let known = |engine: &str| KNOWN.iter().find(|(name, _)| *name == engine).map(|(_, look)| *look);

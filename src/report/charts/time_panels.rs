@@ -86,7 +86,7 @@ fn curve(panel: &Panel, run: &Run, look: style::Look, subject: &Subject, turn: u
 }
 
 /// The largest value in each interval of the run, at the middle of the times that it is from.
-fn largest_in_intervals(times: &[f64], values: &[f64], duration: f64) -> Vec<(f64, f64)> {
+pub fn largest_in_intervals(times: &[f64], values: &[f64], duration: f64) -> Vec<(f64, f64)> {
     let interval = |time: f64| (time / duration * INTERVALS as f64) as usize;
     let samples: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
     samples

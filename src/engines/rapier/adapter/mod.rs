@@ -6,7 +6,7 @@ mod drive;
 
 use super::super::Settings;
 use super::super::held::{Held, HeldBody};
-use super::rapier::math::{Pose, Vector};
+use super::rapier::math::{Pose, Real, Vector};
 use super::rapier::prelude::{MultibodyIndex, PhysicsWorld, RigidBodyHandle};
 use super::{PRECISION, widen};
 use crate::engines::{Engine, StepFailure, Unsupported};
@@ -86,7 +86,8 @@ impl World {
                 com: vector_of(local.local_com),
             }
         });
-        Held { gravity: vector_of(self.physics.gravity), bodies: bodies.collect(), state }
+        let single = size_of::<Real>() < size_of::<f64>();
+        Held { gravity: vector_of(self.physics.gravity), bodies: bodies.collect(), state, single }
     }
 
     /// The first body, in our order, that rapier took out or whose state is not finite.

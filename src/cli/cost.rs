@@ -1,0 +1,103 @@
+//! `cost`: processor time a step against the number of links, on generated chains.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicU64;
+
+use super::{CliError, input, interrupt, progress};
+use crate::engines::Spec;
+use crate::measure::scaling::Scaling;
+use crate::mechanics::System;
+use crate::model::generate::Chain;
+use crate::model::{Scene, read_urdf};
+use crate::report::cost::Cost;
+use crate::report::files;
+
+/// Engines that are timed where none is named.
+const ENGINES: [&str; 10] = [
+    "rattle",
+    "rattle:order=8",
+    "galerkin",
+    "dop853",
+    "rk4",
+    "semi_implicit_euler",
+    "rapier",
+    "rapier:precision=f64",
+    "rapier:preset=strong",
+    "rapier:joints=multibody,precision=f64",
+];
+
+const LINKS: [usize; 7] = [1, 2, 5, 10, 20, 50, 100];
+
+/// Every hinge about z starts at this angle, rad, so that the chain leaves its plane.
+const BEND: f64 = 0.3;
+
+/// Simulated time that is stepped through, s: before a long chain whips.
+const TIMED: f64 = 0.2;
+
+/// Time a step of each engine on generated chains of several lengths.
+///
+/// The chains are those of `generate chain`, released from horizontal with every second hinge bent.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Engine; may be given several times [default: rattle at orders 2 and 8, the engines on joint coordinates,
+    /// and four settings of rapier].
+    #[arg(long, value_name = "SPEC")]
+    engine: Vec<String>,
+    /// Number of links; may be given several times [default: 1, 2, 5, 10, 20, 50, 100].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    links: Vec<u16>,
+    /// Step size, s.
+    #[arg(long, value_name = "H", default_value_t = 1e-3, allow_negative_numbers = true)]
+    step: f64,
+    /// Folder for the files and the page.
+    #[arg(long, value_name = "DIR", default_value = "reports/cost")]
+    out: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let step = input::positive("--step", args.step)?;
+    let named: Vec<&str> = args.engine.iter().map(String::as_str).collect();
+    let named = if named.is_empty() { ENGINES.to_vec() } else { named };
+    let engines = named.iter().map(|text| Spec::parse(text)).collect::<Result<Vec<Spec>, _>>()?;
+    files::prepare(&args.out)?;
+    let mut links: Vec<usize> = args.links.iter().map(|n| usize::from(*n)).collect();
+    if links.is_empty() {
+        links = LINKS.to_vec();
+    }
+    links.sort_unstable();
+    links.dedup();
+    let systems = links.iter().map(|&n| Ok((n, chain(n)?))).collect::<Result<Vec<(usize, System)>, CliError>>()?;
+    let steps = (TIMED / step).round().max(1.0) as u64;
+    let scaling = Scaling { engines: &engines, systems: &systems, step, steps };
+    let taken = AtomicU64::new(0);
+    let stages = [progress::Stage { name: "timing", total: scaling.turns(), done: &taken }];
+    let points = progress::during("cost", &stages, || scaling.run(interrupt::flag(), &taken));
+    let points = points.ok_or(CliError::Interrupted)?;
+    let rods = Chain::default();
+    let model = format!(
+        "Chains of {} m, {} kg rods with hinges about y and z in turn, released from horizontal",
+        rods.length, rods.mass
+    );
+    let cost = Cost::new(&points, model, step, steps as f64 * step, input::command_line());
+    let page = cost.write(&args.out)?;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}\n{}", cost.table().text(), page.display())?;
+    Ok(())
+}
+
+/// The generated chain as a system.
+fn chain(links: usize) -> Result<System, CliError> {
+    let urdf = Chain { links, ..Chain::default() }.urdf()?;
+    let mut file = tempfile::Builder::new().suffix(".urdf").tempfile()?;
+    file.write_all(urdf.as_bytes())?;
+    let model = read_urdf(file.path())?;
+    let mut scene = Scene::of_model(&format!("chain_{links}"), model);
+    for (joint, initial) in scene.model.joints.iter().zip(&mut scene.initial) {
+        if joint.axis.z > 0.5 {
+            initial.position.fill(BEND);
+        }
+    }
+    let path = file.path().to_path_buf();
+    System::compile(&scene).map_err(|error| CliError::Compile { input: path, error })
+}

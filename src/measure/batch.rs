@@ -1,0 +1,116 @@
+//! A list of runs on one system: first all traced, on several threads, then all timed, one at a time.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use super::Horizon;
+use super::clock::{self, Candidate, Effort};
+use super::comparison::Run;
+use super::trace::{self, Limits, Outcome, Trace};
+use super::truth::Truth;
+use crate::engines::{self, Spec};
+use crate::mechanics::System;
+
+/// What is run, and within which limits.
+#[derive(Debug)]
+pub(super) struct Batch<'a> {
+    pub system: &'a System,
+    pub cases: Vec<(&'a Spec, Horizon)>,
+    /// What positions are compared with.
+    pub truth: Option<&'a Truth>,
+    /// Wall-clock time that one run may take.
+    pub budget: Duration,
+    /// Wall-clock time that all may take together; the runs with the fewest steps come first then.
+    pub together: Option<Duration>,
+    /// Threads for the traced runs.
+    pub jobs: usize,
+}
+
+impl Batch<'_> {
+    /// Traces every case; `None` stands where a run was interrupted. `taken` counts steps.
+    pub fn trace(&self, interrupted: &AtomicBool, taken: &AtomicU64) -> Vec<Option<Run>> {
+        let mut order: Vec<usize> = (0..self.cases.len()).collect();
+        order.sort_by_key(|&i| self.cases[i].1.steps);
+        if self.together.is_none() {
+            // The longest first, so that no thread is left alone with it.
+            order.reverse();
+        }
+        let begin = Instant::now();
+        let traces = on_threads(self.jobs, &order, |i| {
+            let left = self.together.map_or(self.budget, |all| all.saturating_sub(begin.elapsed()));
+            self.trace_one(i, &Limits { budget: left.min(self.budget), interrupted, taken })
+        });
+        let run = |(case, trace): (&(&Spec, Horizon), Option<Trace>)| {
+            Some(Run { engine: case.0.clone(), horizon: case.1, trace: trace?, structure: None, timing: None })
+        };
+        self.cases.iter().zip(traces).map(run).collect()
+    }
+
+    fn trace_one(&self, case: usize, limits: &Limits) -> Option<Trace> {
+        let (spec, horizon) = self.cases[case];
+        match engines::build(spec, self.system, horizon.step) {
+            Ok(mut engine) => trace::trace_against(self.truth, self.system, engine.as_mut(), horizon, limits),
+            Err(unsupported) => {
+                limits.taken.fetch_add(horizon.steps, Ordering::Relaxed);
+                Some(Trace::unsupported(unsupported.what))
+            }
+        }
+    }
+}
+
+/// Does the pieces of work named by `order` on so many threads; the results stand at their own places.
+pub(super) fn on_threads<T: Send>(
+    jobs: usize,
+    order: &[usize],
+    work: impl Fn(usize) -> Option<T> + Sync,
+) -> Vec<Option<T>> {
+    let next = AtomicUsize::new(0);
+    let found: Vec<Mutex<Option<T>>> = order.iter().map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.clamp(1, order.len().max(1)) {
+            scope.spawn(|| {
+                while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let result = work(i);
+                    if let Ok(mut slot) = found[i].lock() {
+                        *slot = result;
+                    }
+                }
+            });
+        }
+    });
+    found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
+}
+
+/// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.
+/// `taken` counts turns, [`clock::ROUNDS`]` + 1` for each run.
+pub(super) fn time(
+    system: &System,
+    runs: &mut [Run],
+    effort: Effort,
+    interrupted: &AtomicBool,
+    taken: &AtomicU64,
+) -> bool {
+    let worth = |run: &Run| match run.trace.outcome {
+        Outcome::Completed | Outcome::OverBudget { .. } => run.trace.steps > 0,
+        _ => false,
+    };
+    let timings = {
+        let candidates: Vec<Candidate> = runs
+            .iter()
+            .filter(|run| worth(run))
+            .map(|run| Candidate {
+                build: Box::new(|| engines::build(&run.engine, system, run.horizon.step).ok()),
+                steps: run.trace.steps,
+            })
+            .collect();
+        let skipped = runs.len() - candidates.len();
+        taken.fetch_add((skipped * (clock::ROUNDS + 1)) as u64, Ordering::Relaxed);
+        clock::time(&candidates, effort, interrupted, taken)
+    };
+    let Some(timings) = timings else { return false };
+    for (run, timing) in runs.iter_mut().filter(|run| worth(run)).zip(timings) {
+        run.timing = timing;
+    }
+    true
+}

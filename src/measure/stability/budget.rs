@@ -1,0 +1,56 @@
+//! What a run costs, in nominal microseconds: a formula of engine, bodies and steps, never a clock, so that a suite finds
+//! the same cells over budget everywhere.
+
+use crate::engines::Spec;
+
+/// A run that would cost more than this is not begun, nominal s.
+pub const ALLOWANCE: f64 = 100.0;
+
+/// Nominal time of one step, µs: fitted by eye to the figures in `benches/README.md`.
+pub fn microseconds_per_step(engine: &Spec, bodies: usize) -> f64 {
+    let n = bodies as f64;
+    match (engine.entry().name, engine.given("joints")) {
+        ("rapier", Some("multibody")) => 5.0 * n + 0.06 * n.powi(3),
+        ("rapier", _) => 4.0 + 3.0 * n,
+        ("rattle", _) => {
+            let stages = match engine.given("order") {
+                Some("4") => 5.0,
+                Some("6") => 13.0,
+                Some("8") => 17.0,
+                _ => 1.0,
+            };
+            1.5 * stages * n
+        }
+        _ => 2.0 + 2.0 * n,
+    }
+}
+
+/// Nominal time of a run, s.
+pub fn seconds(engine: &Spec, bodies: usize, steps: u64) -> f64 {
+    1e-6 * microseconds_per_step(engine, bodies) * steps as f64
+}
+
+/// Whether a run may be begun; else says why not.
+pub fn check(engine: &Spec, bodies: usize, steps: u64) -> Result<(), String> {
+    let cost = seconds(engine, bodies, steps);
+    if cost <= ALLOWANCE {
+        return Ok(());
+    }
+    Err(format!(
+        "{steps} steps of {bodies} bodies would cost about {cost:.0} s; the allowance of a run is {ALLOWANCE} s"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cube_of_reduced_coordinates_is_over_budget_and_says_so() {
+        let spec = |text| Spec::parse(text).expect("a spec");
+        assert_eq!(check(&spec("rattle"), 2000, 10_000), Ok(()));
+        let refused = check(&spec("rapier:joints=multibody,precision=f64"), 200, 1000);
+        let message = "1000 steps of 200 bodies would cost about 481 s; the allowance of a run is 100 s";
+        assert_eq!(refused, Err(message.to_string()));
+    }
+}

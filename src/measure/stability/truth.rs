@@ -1,0 +1,97 @@
+//! The truth that a cell is measured against: a fine run that agrees with one at half its step.
+
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::time::Duration;
+
+use super::budget;
+use super::scan::{Scan, Truth};
+use super::watch::{SAMPLES, Scales, Watched, difference};
+use crate::engines::{self, Spec};
+use crate::measure::Horizon;
+use crate::measure::trace::{Limits, Outcome, trace};
+use crate::mechanics::{State, System};
+
+/// Two runs that differ by less than this are taken for the truth: a tenth of what [`super::class::ACCURATE`] allows.
+pub const AGREE: f64 = 1e-4;
+
+/// The truth must be known over at least this part of a run, or nothing in the scene is called accurate.
+pub const LEAST_KNOWN: f64 = 0.25;
+
+/// States of a scene at the sample times, as far as they are known.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// At `t = k T / SAMPLES` for `k = 1, 2, ...`; as many as can be trusted.
+    states: Vec<State>,
+    scales: Scales,
+    /// How far the two runs differ over the states that are trusted.
+    pub disagreement: f64,
+}
+
+impl Known {
+    /// No truth to be had.
+    pub fn nothing() -> Known {
+        Known { states: Vec::new(), scales: Scales { link: 1.0, reach: 1.0 }, disagreement: 0.0 }
+    }
+
+    /// The part of the run over which the truth is known.
+    pub fn part(&self) -> f64 {
+        self.states.len() as f64 / SAMPLES as f64
+    }
+
+    /// The largest difference of a run's samples from the truth. `None` where the truth is not known for long enough or the
+    /// run did not come that far.
+    pub fn error(&self, samples: &[(u64, State)]) -> Option<f64> {
+        let known = self.states.len() as u64;
+        let judged: Vec<f64> = samples
+            .iter()
+            .filter(|(k, _)| *k <= known)
+            .map(|(k, state)| difference(state, &self.states[*k as usize - 1], &self.scales))
+            .collect();
+        let enough = self.part() >= LEAST_KNOWN && !judged.is_empty();
+        let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+        enough.then(|| judged.into_iter().fold(0.0, larger))
+    }
+}
+
+/// Finds the truth of a scene at a value of its scan. `None` where it was interrupted; a truth without states where there is
+/// none to be had.
+pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) -> Option<Known> {
+    let scales = Scales::of(system);
+    let Some((spec, steps)) = plan(scan, value) else { return Some(Known::nothing()) };
+    let run = |steps: u64| fine_run(&spec, system, scan.duration(value, 1.0), steps, interrupted);
+    let (coarse, fine) = (run(steps)?, run(2 * steps)?);
+    let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| difference(&a.1, &b.1, &scales)).collect();
+    let known = differences.iter().take_while(|d| **d <= AGREE).count();
+    let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
+    Some(Known { states: fine.into_iter().take(known).map(|(_, state)| state).collect(), scales, disagreement })
+}
+
+/// The engine of the truth of a case, and the number of steps of its coarser run.
+fn plan(scan: &Scan, value: f64) -> Option<(Spec, u64)> {
+    let Truth::Fine { engine, step } = scan.truth else { return None };
+    let part = scan.duration(value, 1.0) / SAMPLES as f64;
+    let per_part = (part / (step(value) * (scan.clock)(value)) * (1.0 - 1e-9)).ceil().max(1.0) as u64;
+    Some((Spec::parse(engine).ok()?, per_part * SAMPLES))
+}
+
+/// What the truth of a case will cost, nominal s.
+pub fn cost(scan: &Scan, value: f64, bodies: usize) -> f64 {
+    plan(scan, value).map_or(0.0, |(spec, steps)| budget::seconds(&spec, bodies, 3 * steps))
+}
+
+/// The samples of a run, as far as it came.
+fn fine_run(
+    spec: &Spec,
+    system: &System,
+    duration: f64,
+    steps: u64,
+    interrupted: &AtomicBool,
+) -> Option<Vec<(u64, State)>> {
+    let horizon = Horizon { step: duration / steps as f64, steps, end: duration };
+    let Ok(engine) = engines::build(spec, system, horizon.step) else { return Some(Vec::new()) };
+    let mut watched = Watched::new(engine, system, horizon);
+    let limits = Limits { budget: Duration::MAX, interrupted, taken: &AtomicU64::new(0) };
+    let trace = trace(system, &mut watched, horizon, &limits)?;
+    let lost = matches!(trace.outcome, Outcome::Diverged { .. });
+    Some(if lost { Vec::new() } else { watched.samples })
+}

@@ -1,0 +1,162 @@
+//! An engine that is watched: how far its joints part, how fast its bodies turn, and where they are at agreed times.
+
+use crate::engines::{Engine, StepFailure};
+use crate::measure::Horizon;
+use crate::mechanics::coordinates::{JointCoordinates, joint_coordinates};
+use crate::mechanics::{State, System};
+
+/// The run is cut into so many parts; states are compared at the end of each.
+pub const SAMPLES: u64 = 20;
+
+/// Joints are looked at after at most so many steps of a run, evenly spread.
+const LOOKS: u64 = 2000;
+
+/// Lengths of a scene that errors of position are divided by, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Mean length of the links.
+    pub link: f64,
+    /// The longest path along the tree from the ground to a centre of mass.
+    pub reach: f64,
+}
+
+impl Scales {
+    /// A link is as long as the way from its joint to its centre of mass, or to the joint of a link that it carries. A body
+    /// whose joint is at its centre of mass counts with its radius of gyration.
+    pub fn of(system: &System) -> Scales {
+        let bodies = &system.bodies;
+        let mut to_joint: Vec<f64> = Vec::with_capacity(bodies.len());
+        let (mut sum, mut reach) = (0.0, 0.0f64);
+        for body in bodies {
+            let joint = &body.joint;
+            let between = joint.parent.map_or(0.0, |p| {
+                (joint.in_parent.translation.vector - bodies[p].joint.in_child.translation.vector).norm()
+            });
+            let path = joint.parent.map_or(0.0, |p| to_joint[p]) + between;
+            let radius = if body.mass > 0.0 { (body.inertia.max() / body.mass).sqrt() } else { 0.0 };
+            let arm = joint.in_child.translation.vector.norm().max(radius);
+            to_joint.push(path);
+            sum += arm.max(between);
+            reach = reach.max(path + arm);
+        }
+        Scales { link: sum / bodies.len() as f64, reach }
+    }
+}
+
+/// An engine with what is seen of it.
+pub struct Watched<'a> {
+    engine: Box<dyn Engine>,
+    system: &'a System,
+    scales: Scales,
+    horizon: Horizon,
+    taken: u64,
+    state: State,
+    /// The state that was looked at before.
+    before: State,
+    coordinates: Vec<JointCoordinates>,
+    /// Largest gap so far: over the length of a link, or rad.
+    pub joint_gap: f64,
+    /// Largest turn in a step so far, rad: by the angular velocity, and where every step is looked at by the attitudes too.
+    pub turn_per_step: f64,
+    /// The number of each sample that falls on a step, 1 to [`SAMPLES`], with the state there.
+    pub samples: Vec<(u64, State)>,
+}
+
+impl<'a> Watched<'a> {
+    pub fn new(engine: Box<dyn Engine>, system: &'a System, horizon: Horizon) -> Watched<'a> {
+        Watched {
+            engine,
+            system,
+            scales: Scales::of(system),
+            horizon,
+            taken: 0,
+            state: system.initial.clone(),
+            before: system.initial.clone(),
+            coordinates: system.initial_coordinates.clone(),
+            joint_gap: 0.0,
+            turn_per_step: 0.0,
+            samples: Vec::new(),
+        }
+    }
+
+    /// The sample that is due after the present step, if one is.
+    fn sample(&self) -> Option<u64> {
+        let (part, steps) = (self.taken * SAMPLES, self.horizon.steps);
+        part.is_multiple_of(steps).then_some(part / steps)
+    }
+
+    /// Steps between two looks.
+    fn stride(&self) -> u64 {
+        self.horizon.steps.div_ceil(LOOKS)
+    }
+
+    fn look(&mut self) {
+        joint_coordinates(self.system, &self.state, &mut self.coordinates);
+        let bodies = self.system.bodies.iter().zip(&self.state.bodies).zip(&self.coordinates);
+        for ((body, state), coordinates) in bodies {
+            let joint = &body.joint;
+            let ground = joint.parent.map(|p| self.state.bodies[p].pose());
+            let above = ground.map_or(joint.in_parent, |pose| pose * joint.in_parent);
+            let allowed = above * joint.kind.transform(&coordinates.position);
+            let gap = allowed.inv_mul(&(state.pose() * joint.in_child));
+            keep_larger(&mut self.joint_gap, gap.translation.vector.norm() / self.scales.link);
+            keep_larger(&mut self.joint_gap, gap.rotation.angle());
+            keep_larger(&mut self.turn_per_step, state.angular_velocity.norm() * self.horizon.step);
+        }
+        if self.stride() == 1 {
+            for (now, before) in self.state.bodies.iter().zip(&self.before.bodies) {
+                keep_larger(&mut self.turn_per_step, now.attitude.angle_to(&before.attitude));
+            }
+        }
+        for closure in &self.system.parts.loops {
+            let locked = (0..6).filter(|&i| closure.locked()[i]);
+            for (component, residual) in locked.zip(closure.residual(&self.state).0) {
+                let scale = if component < 3 { self.scales.link } else { 1.0 };
+                keep_larger(&mut self.joint_gap, residual.abs() / scale);
+            }
+        }
+    }
+}
+
+impl Engine for Watched<'_> {
+    fn step(&mut self) -> Result<(), StepFailure> {
+        self.engine.step()?;
+        self.taken += 1;
+        let sample = self.sample();
+        if sample.is_some() || self.taken.is_multiple_of(self.stride()) {
+            std::mem::swap(&mut self.state, &mut self.before);
+            self.engine.write_state(&mut self.state);
+            self.look();
+        }
+        if let Some(sample) = sample {
+            self.samples.push((sample, self.state.clone()));
+        }
+        Ok(())
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.engine.write_state(out);
+    }
+
+    fn position_lag_s(&self) -> f64 {
+        self.engine.position_lag_s()
+    }
+}
+
+/// The largest difference of two states: of a centre of mass, over the scene's reach, or of an attitude, rad. NaN where one
+/// is.
+pub fn difference(a: &State, b: &State, scales: &Scales) -> f64 {
+    let mut largest = 0.0;
+    for (a, b) in a.bodies.iter().zip(&b.bodies) {
+        keep_larger(&mut largest, (a.position - b.position).norm() / scales.reach);
+        keep_larger(&mut largest, a.attitude.angle_to(&b.attitude));
+    }
+    largest
+}
+
+/// NaN is larger than any number.
+fn keep_larger(largest: &mut f64, value: f64) {
+    if value.is_nan() || value > *largest {
+        *largest = value;
+    }
+}

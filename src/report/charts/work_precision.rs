@@ -1,0 +1,129 @@
+//! `work_precision.png`: joint position error against processor time for every setting that was tried, and the fronts of
+//! the settings that no other of the same engine beats.
+
+use super::super::front::{self, cost, error, family};
+use super::super::number::{duration, plain};
+use super::super::record::{Report, Run};
+use super::axis::Axis;
+use super::canvas::{self, ChartError};
+use super::panel::{Label, Panel, Words};
+use super::style::BEST_OF_RAPIER;
+use super::{Chart, legend, style};
+
+pub const CHART: Chart = Chart {
+    file: "work_precision.png",
+    caption: "Joint position error against processor time for every setting that was tried; lines join the settings of an \
+              engine that no other of its settings beats; lower left is better",
+    draw,
+};
+
+/// Smallest error shown, a power of ten.
+const FLOOR: i32 = -16;
+
+/// The engine whose default settings have a line of their own.
+const RAPIER: &str = "rapier";
+
+/// A line of the chart.
+struct Line<'a> {
+    name: &'a str,
+    /// What it joins.
+    front: Vec<&'a Run>,
+    /// All that was tried.
+    all: Vec<&'a Run>,
+}
+
+fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
+    let Some(sweep) = &report.sweep else { return Ok(None) };
+    let known: Vec<&Run> = sweep.runs.iter().filter(|r| cost(r).is_some() && error(r).is_some()).collect();
+    let Some(x) = Axis::decades(known.iter().filter_map(|r| cost(r)), -9, 6) else { return Ok(None) };
+    let Some(y) = Axis::decades(known.iter().filter_map(|r| error(r)), FLOOR, 1) else { return Ok(None) };
+    let lines = lines(&known);
+    let looks = style::looks_of(lines.iter().map(|line| line.name));
+    let title = format!("What accuracy costs: {}", report.scene.name);
+    let subtitle = format!(
+        "Largest error of a joint position over the first {} s against the reference. A dot is a setting at a step size; a \
+         line joins those of an engine that no other beats. Lower left is better",
+        plain(sweep.until_s, 4)
+    );
+    canvas::render(|area| {
+        let area = legend::frame(area, &title, &subtitle, &looks, &notes(report))?;
+        let words = Words {
+            heading: "",
+            x: "CPU seconds per simulated second, one thread",
+            y: Some("largest joint position error, rad or m"),
+        };
+        let panel = Panel::new(&area, x, y, words)?;
+        let mut drawn = Vec::new();
+        for (line, (_, look)) in lines.iter().zip(&looks) {
+            for point in points(&line.all) {
+                panel.dot(point, *look)?;
+            }
+        }
+        let mut labels = Vec::new();
+        for (line, (_, look)) in lines.iter().zip(&looks).rev() {
+            let joined = points(&line.front);
+            panel.line(&joined, *look, 3, line.name == RAPIER)?;
+            joined.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
+            labels.extend(settings(&line.front).into_iter().map(|(point, words)| Label { point, words, look: *look }));
+            drawn.push(joined);
+        }
+        panel.labels(&labels, &drawn)
+    })
+    .map(Some)
+}
+
+/// A front for each engine, rapier's under a name of its own beside the line of its default settings.
+fn lines<'a>(runs: &[&'a Run]) -> Vec<Line<'a>> {
+    let mut lines: Vec<Line> = Vec::new();
+    for run in runs {
+        let name = family(&run.engine);
+        let name = if name == RAPIER { BEST_OF_RAPIER } else { name };
+        match lines.iter_mut().find(|line| line.name == name) {
+            Some(line) => line.all.push(run),
+            None => lines.push(Line { name, front: Vec::new(), all: vec![run] }),
+        }
+    }
+    for line in &mut lines {
+        line.front = front::front(&line.all);
+    }
+    let default: Vec<&Run> = runs.iter().copied().filter(|r| r.engine == RAPIER).collect();
+    if !default.is_empty() {
+        lines.push(Line { name: RAPIER, front: default, all: Vec::new() });
+    }
+    lines
+}
+
+fn points(runs: &[&Run]) -> Vec<(f64, f64)> {
+    runs.iter().filter_map(|r| Some((cost(r)?, error(r)?))).collect()
+}
+
+/// Words at the points of a front where its settings change, and at its ends.
+fn settings(front: &[&Run]) -> Vec<((f64, f64), String)> {
+    let last = front.len().saturating_sub(1);
+    let mut found = Vec::new();
+    for (i, run) in front.iter().enumerate() {
+        let changed = i == 0 || front[i - 1].engine != run.engine;
+        let (Some(x), Some(y)) = (cost(run), error(run)) else { continue };
+        let settings = run.engine.split_once(':').map(|(_, settings)| settings);
+        match settings.filter(|words| changed && words.len() <= 16) {
+            Some(words) if words.starts_with("tolerance=") => found.push(((x, y), words.replace("tolerance=", "tol "))),
+            Some(words) => found.push(((x, y), format!("{words}, {}", duration(run.step_s)))),
+            None if i == 0 || i == last => found.push(((x, y), duration(run.step_s))),
+            None => {}
+        }
+    }
+    found
+}
+
+fn notes(report: &Report) -> Vec<String> {
+    let Some(sweep) = &report.sweep else { return Vec::new() };
+    let lost = sweep.runs.iter().filter(|r| cost(r).is_none()).count();
+    let mut notes = Vec::new();
+    if sweep.runs.iter().any(|r| r.engine == RAPIER) {
+        notes.push("rapier, dashed: its default settings, in single precision.".to_string());
+    }
+    if lost > 0 {
+        notes.push(format!("{lost} of {} runs did not reach the end and are not shown.", sweep.runs.len()));
+    }
+    notes
+}

@@ -1,0 +1,96 @@
+//! `index.html` of a suite: for each family the map and where each engine's border lies, then every cell that went wrong.
+
+use maud::{Markup, html};
+
+use super::super::page::{Picture, document, figure, version_list};
+use super::borders::{sentence, step_words};
+use super::record::{CellRecord, FamilyRecord, ScanRecord, StabilityReport};
+use crate::measure::stability::Class;
+use crate::measure::stability::class::{ACCURATE, BLOW_UP, BROKEN, MATERIAL};
+use crate::report::number::{compact, written};
+
+pub fn html(report: &StabilityReport, pictures: &[Picture]) -> String {
+    let engines = &report.suite.engines;
+    let body = html! {
+        p.description { "Where each engine stops being right, and how it fails: scenes along a parameter, against the step." }
+        (totals(report))
+        @for (family, picture) in report.results.iter().zip(pictures) {
+            h2 { (family.title) ": " (family.question) }
+            (figure(picture))
+            @for scan in &family.scans { (borders(scan, engines)) }
+            (reasons(family, engines))
+        }
+        (rules())
+        (version_list(&report.suite.versions))
+    };
+    document("Stability on stiff and extreme scenes", body)
+}
+
+/// How many cells of each class an engine has.
+fn totals(report: &StabilityReport) -> Markup {
+    let count = |engine: &str, class: Class| {
+        let cells = report.results.iter().flat_map(|f| &f.scans).flat_map(|s| &s.cells);
+        cells.filter(|cell| cell.engine == engine && cell.class == class).count()
+    };
+    html! {
+        h2 { "Cells of each class" }
+        div.wide {
+            table {
+                thead { tr { th.word { "engine" } @for class in Class::ALL { th.number { (class.words()) } } } }
+                tbody {
+                    @for engine in &report.suite.engines {
+                        tr {
+                            td.word { (engine) }
+                            @for class in Class::ALL { td.number { (count(engine, class)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn borders(scan: &ScanRecord, engines: &[String]) -> Markup {
+    html! {
+        p { strong { (scan.title) } " (" (scan.parameter) ")" }
+        ul { @for engine in engines { li { strong { (engine) } ": " (sentence(scan, engine)) "." } } }
+    }
+}
+
+/// The first reason or warning of each engine and scan that has one.
+fn reasons(family: &FamilyRecord, engines: &[String]) -> Markup {
+    let words = |cell: &'_ CellRecord| cell.reason.clone().or_else(|| cell.warning.clone());
+    let first = |scan: &'_ ScanRecord, engine: &str| -> Option<(String, String)> {
+        let cell: &CellRecord = scan.cells.iter().find(|c| c.engine == engine && words(c).is_some())?;
+        let place =
+            format!("{}, {engine} at {} and {}", scan.name, compact(cell.value), step_words(cell.step, &scan.clock));
+        Some((place, words(cell)?))
+    };
+    let list: Vec<(String, String)> =
+        family.scans.iter().flat_map(|scan| engines.iter().filter_map(move |engine| first(scan, engine))).collect();
+    html! {
+        @if !list.is_empty() {
+            details {
+                summary { "What the engines said, the first of each" }
+                ul.notes { @for (place, reason) in &list { li { strong { (place) } ": " (reason) } } }
+            }
+        }
+    }
+}
+
+fn rules() -> Markup {
+    html! {
+        h2 { "How cells are classified" }
+        p {
+            "In this order. " strong { "Over budget" } ": the run would cost too much by a formula of engine, bodies and steps. "
+            strong { "Refused" } ": the engine cannot, or ended with a named reason. "
+            strong { "Blow-up" } ": a state that is not a number, or an energy error above " (BLOW_UP) " energy scales. "
+            strong { "Joints apart" } ": by more than " (BROKEN) " of a link, or rad. "
+            strong { "Accurate" } ": errors of pose, energy and joints all below " (ACCURATE) " of their scale, where the truth is \
+            known: a fine run that agrees with one at half its step. "
+            strong { "Bounded" } ": the energy error does not grow, comes back, or stays below " (written(MATERIAL)) " of its scale. "
+            strong { "Drifting" } ", " strong { "gaining" } ", " strong { "dissipating" } ": it grows like a random walk, upwards, \
+            downwards."
+        }
+    }
+}

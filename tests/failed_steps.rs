@@ -115,7 +115,11 @@ fn halves_add_up_to_the_step_and_end() {
         let done: f64 = taken.iter().sum();
         // Only the middle of the step is difficult.
         let difficult = done < 0.75 && done + h > 0.5;
-        if difficult && h > 0.1 { Err(failure) } else { Ok(taken.push(h)) }
+        if difficult && h > 0.1 {
+            return Err(failure);
+        }
+        taken.push(h);
+        Ok(())
     });
     assert_eq!((halvings, taken.iter().sum::<f64>()), (Ok(4), 1.0));
     assert_eq!(taken, [0.5, 0.0625, 0.0625, 0.0625, 0.0625, 0.25]);

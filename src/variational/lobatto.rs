@@ -109,7 +109,7 @@ impl Lobatto {
     pub fn from_state(system: &System, state: &State, stages: usize) -> Result<Lobatto, Unfit> {
         let nodes = nodes(system);
         for (i, node) in nodes.iter().enumerate().skip(1) {
-            if node.force.is_some() {
+            if system.bodies[i - 1].joint.damping > 0.0 {
                 return Err(Unfit::Damped { joint: i - 1 });
             }
             let least = 0.5 * node.inertia.sum() - node.inertia.max();

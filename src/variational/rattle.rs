@@ -413,6 +413,10 @@ impl Rattle {
             self.rounds += 1;
             if last_round {
                 self.kick_and_drift(h)?;
+                // Springs, drives and loops keep what they measured for the second half kick.
+                if !self.forces.is_empty() {
+                    self.measure_mismatch(h);
+                }
                 self.measure_loops(h);
                 return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
             }

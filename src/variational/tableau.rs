@@ -131,9 +131,10 @@ mod tests {
             let power = |x: f64, k: usize| x.powi(k as i32);
             let quadrature = |k: usize| (0..s).map(|i| t.b[i] * power(t.c[i], k - 1)).sum::<f64>() - 1.0 / k as f64;
             let worst = (1..=2 * s - 2).map(|k| quadrature(k).abs()).fold(0.0, f64::max);
-            println!("{s}: {worst:e}");
+            // measured 1.3e-15
             assert!(worst <= 3e-15, "{s}: {worst:e}");
-            assert!(quadrature(2 * s - 1).abs() > 1e-4, "{s}");
+            // 2.8e-5 with five stages, where it is least
+            assert!(quadrature(2 * s - 1).abs() > 1e-5, "{s}");
             for k in 1..=s {
                 for i in 0..s {
                     let c: f64 = (0..s).map(|j| t.a[i][j] * power(t.c[j], k - 1)).sum();

@@ -40,6 +40,8 @@ fn a_step_allocates_nothing() {
         "rattle",
         "rattle:order=8",
         "rattle:method=lobatto,stages=4",
+        "rattle:step=adaptive,tol=1e-5",
+        "rattle:on_failure=substep",
         "galerkin:stages=5",
         "dop853",
         "rk4",

@@ -4,7 +4,8 @@ use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
 use crate::mechanics::{Body, Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
-use crate::variational::{Failure, Fault, Lobatto, Method, Rattle, Rotation};
+use crate::variational::substep::{step_in_halves, step_that_works};
+use crate::variational::{Adaptive, Failure, Fault, Lobatto, Method, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -35,10 +36,41 @@ static STAGES: Number = Number {
     summary: "stages of method=lobatto; with 2 it is rattle",
 };
 
+static ON_FAILURE: Choice = Choice {
+    name: "on_failure",
+    words: &["stop", "substep"],
+    summary: "what follows a step that does not converge: stop ends the run with its reason; substep takes the step in halves, \
+              down to 1/1024, which is not symplectic there and is counted",
+};
+
+static STEP: Choice = Choice {
+    name: "step",
+    words: &["fixed", "adaptive"],
+    summary: "fixed takes the run's step; adaptive takes time-reversible steps of its own, from tol, and hands out states at the \
+              run's step (not symplectic; the energy error stays bounded)",
+};
+
+static TOL: Number = Number {
+    name: "tol",
+    min: 1e-14,
+    max: 1e-1,
+    default: 1e-4,
+    whole: false,
+    summary: "relative energy error that step=adaptive aims at",
+};
+
 pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
-    keys: &[Key::Choice(&ORDER), Key::Choice(&METHOD), Key::Number(&STAGES), Key::Choice(&ROTATION)],
+    keys: &[
+        Key::Choice(&ORDER),
+        Key::Choice(&METHOD),
+        Key::Number(&STAGES),
+        Key::Choice(&ROTATION),
+        Key::Choice(&STEP),
+        Key::Number(&TOL),
+        Key::Choice(&ON_FAILURE),
+    ],
     parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
     build,
 };
@@ -55,7 +87,7 @@ pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<B
     let sound = engine(spec, system, step)?;
     let core = match sound.core {
         Core::Rattle(rattle) => Core::Rattle(rattle.with_fault(fault)),
-        Core::Lobatto(lobatto) => Core::Lobatto(lobatto),
+        core => core,
     };
     Ok(Box::new(RattleEngine { core, ..sound }))
 }
@@ -66,6 +98,7 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
     let composition =
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
+    steps_fit(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
     Ok(RattleEngine {
         core,
@@ -75,6 +108,41 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
         names: Names::of(system),
         before: system.initial.clone(),
         failed: false,
+        halved: (spec.word(&ON_FAILURE) == "substep")
+            .then(|| Halved { first: Vec::with_capacity(NAMED), ..Halved::default() }),
+    })
+}
+
+/// Whether the settings of the step go together, and with what the system has.
+fn steps_fit(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
+    let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
+    let (adaptive, halved) = (spec.word(&STEP) == "adaptive", spec.word(&ON_FAILURE) == "substep");
+    if halved && composed {
+        return Err(format!(
+            "on_failure=substep with order={order}: a substep in halves breaks the symmetry that gives the composition its order; \
+             use order=2"
+        ));
+    }
+    if !adaptive {
+        return match spec.given(TOL.name) {
+            Some(_) => Err("tol with step=fixed: only step=adaptive has a tolerance".to_string()),
+            None => Ok(()),
+        };
+    }
+    if composed || !matches!(method, "rattle" | "midpoint") {
+        return Err(format!(
+            "step=adaptive with order={order},method={method}: it varies the step of rattle of order 2"
+        ));
+    }
+    if halved {
+        return Err(
+            "on_failure=substep with step=adaptive: halves would break the sequence of steps, which is what keeps the \
+             energy; take a smaller tol"
+                .to_string(),
+        );
+    }
+    system.first_damper().map_or(Ok(()), |damper| {
+        Err(format!("damping ({damper}) with step=adaptive: its steps are made for reversible motion; use step=fixed"))
     })
 }
 
@@ -152,18 +220,24 @@ fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
         _ => Method::Rattle,
     };
     let rattle = Rattle::new(system).map_err(failed)?.with_method(method);
-    Ok(Core::Rattle(match spec.word(&ROTATION) {
+    let rattle = match spec.word(&ROTATION) {
         "moser_veselov" => rattle.with_rotation(Rotation::MoserVeselov),
         "splitting" => rattle.with_rotation(Rotation::Splitting),
         "cayley" => rattle.with_rotation(Rotation::Cayley),
         _ => rattle.with_automatic_rotation(),
-    }))
+    };
+    Ok(match spec.word(&STEP) {
+        "adaptive" => Core::Adaptive(Box::new(Adaptive::new(system, rattle, spec.number(&TOL)))),
+        _ => Core::Rattle(rattle),
+    })
 }
 
 /// One step of a map.
+#[derive(Clone)]
 enum Core {
     Rattle(Rattle),
     Lobatto(Lobatto),
+    Adaptive(Box<Adaptive>),
 }
 
 impl Core {
@@ -171,6 +245,7 @@ impl Core {
         match self {
             Core::Rattle(rattle) => rattle.step(h),
             Core::Lobatto(lobatto) => lobatto.step(h),
+            Core::Adaptive(adaptive) => adaptive.advance_to(adaptive.output_time() + h),
         }
     }
 
@@ -178,6 +253,7 @@ impl Core {
         match self {
             Core::Rattle(rattle) => rattle.write_state(out),
             Core::Lobatto(lobatto) => lobatto.write_state(out),
+            Core::Adaptive(adaptive) => adaptive.write_state(out),
         }
     }
 
@@ -186,6 +262,7 @@ impl Core {
         match self {
             Core::Rattle(rattle) => rattle.switched(),
             Core::Lobatto(_) => &[],
+            Core::Adaptive(adaptive) => adaptive.switched(),
         }
     }
 }
@@ -197,25 +274,94 @@ struct RattleEngine {
     step: f64,
     taken: u64,
     names: Names,
-    /// The state before the present step, which stands after one of several substeps has failed.
+    /// The state before the present step, which stands after a part of the step has failed.
     before: State,
     failed: bool,
+    halved: Option<Halved>,
+}
+
+/// Steps of a run that were taken in halves.
+#[derive(Default)]
+struct Halved {
+    steps: u64,
+    most: u32,
+    /// When the first of them began, s.
+    first: Vec<f64>,
+}
+
+/// How many of these are named.
+const NAMED: usize = 3;
+
+impl RattleEngine {
+    /// Takes the substeps. The state may be one of between when one of them fails.
+    fn take(&mut self) -> Result<(), (usize, Failure)> {
+        let core = &mut self.core;
+        let Some(halved) = &mut self.halved else {
+            return self
+                .substeps
+                .iter()
+                .enumerate()
+                .try_for_each(|(k, h)| core.step(*h).map_err(|failure| (k, failure)));
+        };
+        let halvings = step_in_halves(self.step, &mut |h| core.step(h)).map_err(|failure| (0, failure))?;
+        if halvings > 0 {
+            halved.steps += 1;
+            halved.most = halved.most.max(halvings);
+            if halved.first.len() < NAMED {
+                halved.first.push(self.taken as f64 * self.step);
+            }
+        }
+        Ok(())
+    }
+
+    /// What went wrong, how fast bodies turn, and the step with which it would have gone right.
+    fn explain(&self, taken: usize, failure: Failure) -> String {
+        let time = self.taken as f64 * self.step;
+        if let Core::Adaptive(adaptive) = &self.core {
+            return describe(failure, adaptive.node_time(), adaptive.step_size(), &self.names);
+        }
+        let what = describe(failure, time, self.step, &self.names);
+        if matches!(failure, Failure::Singular { .. } | Failure::NotFinite { .. }) {
+            return what;
+        }
+        let turning = self.before.bodies.iter().map(|body| body.angular_velocity.norm()).enumerate();
+        let (body, omega) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+        let fastest = format!("h |Omega| is at most {:.2} (body '{}')", self.step * omega, self.names.bodies[body]);
+        if self.halved.is_some() {
+            return format!("{what}; {fastest}; halves of it down to 1/1024 fail too");
+        }
+        let cure = match self.step_that_works(taken) {
+            Some(step) => format!("a step of {step:.3e} s goes on from there, as would on_failure=substep (order 2)"),
+            None => "halves of it down to 1/1024 fail too".to_string(),
+        };
+        format!("{what}; {fastest}; {cure}")
+    }
+
+    /// Found on copies of the state before the step; that of a composition, a reversible map, by going back the substeps taken.
+    fn step_that_works(&self, taken: usize) -> Option<f64> {
+        let mut start = self.core.clone();
+        self.substeps[..taken].iter().rev().try_for_each(|h| start.step(-h)).ok()?;
+        step_that_works(&start, 1.0, |core, part| self.substeps.iter().try_for_each(|h| core.step(part * h)))
+            .map(|part| part * self.step)
+    }
 }
 
 impl Engine for RattleEngine {
     fn step(&mut self) -> Result<(), StepFailure> {
-        if self.substeps.len() > 1 {
+        let partly = self.substeps.len() > 1 || self.halved.is_some() || matches!(self.core, Core::Adaptive(_));
+        if partly {
             self.core.write_state(&mut self.before);
         }
-        for (k, substep) in self.substeps.iter().enumerate() {
-            if let Err(failure) = self.core.step(*substep) {
-                self.failed = k > 0;
-                let detail = describe(failure, self.taken as f64 * self.step, self.step, &self.names);
-                return Err(match failure {
-                    Failure::NotFinite { .. } => StepFailure::Diverged { detail },
-                    _ => StepFailure::NotConverged { detail },
-                });
+        if let Err((taken, failure)) = self.take() {
+            if !partly {
+                self.core.write_state(&mut self.before);
             }
+            self.failed = partly;
+            let detail = self.explain(taken, failure);
+            return Err(match failure {
+                Failure::NotFinite { .. } => StepFailure::Diverged { detail },
+                _ => StepFailure::NotConverged { detail },
+            });
         }
         self.taken += 1;
         Ok(())
@@ -237,7 +383,22 @@ impl Engine for RattleEngine {
                 self.names.bodies[body]
             )
         });
-        switched.collect()
+        let halved = self.halved.as_ref().filter(|halved| halved.steps > 0).map(|halved| {
+            let first: Vec<String> = halved.first.iter().map(|time| format!("{time:.6} s")).collect();
+            format!(
+                "on_failure=substep: {} of {} steps did not converge and were taken in halves, at the finest in {} parts, first at \
+                 t = {}; the map is not symplectic there",
+                halved.steps,
+                self.taken,
+                1_u32 << halved.most,
+                first.join(", ")
+            )
+        });
+        let steps = match &self.core {
+            Core::Adaptive(adaptive) => Some(format!("step=adaptive took {} steps of its own", adaptive.steps())),
+            _ => None,
+        };
+        switched.chain(halved).chain(steps).collect()
     }
 }
 
@@ -284,8 +445,11 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
             names.bonds[index]
         ),
         Failure::Leap { gained } => format!(
-            "t = {time:.6} s: the linkage passes a singular configuration, where a step of {step} s would throw it onto another \
-             branch with {gained:.2} of its kinetic energy from nowhere; take another step, or start it elsewhere"
+            "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic energy from \
+             nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
+        ),
+        Failure::Stalled { step } => format!(
+            "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"
         ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",

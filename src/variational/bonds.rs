@@ -347,6 +347,11 @@ impl Bond {
         self.change / h
     }
 
+    /// Takes over the state of the same bond in another copy of the integrator.
+    pub(super) fn copy_from(&mut self, other: &Bond) {
+        (self.length, self.change) = (other.length, other.change);
+    }
+
     /// Takes over what the accepted step has changed.
     pub(super) fn accept(&mut self, back: f64) {
         let correction = if self.is_spring() { back * (self.stretch() - self.length.value.x) } else { 0.0 };

@@ -114,6 +114,12 @@ impl JointForce {
         excess
     }
 
+    /// Takes over the state of the same force in another copy of the integrator.
+    pub(super) fn copy_from(&mut self, other: &JointForce) {
+        self.deflection = other.deflection;
+        (self.travel, self.impulse) = (other.travel, other.impulse);
+    }
+
     /// Accepts the step that was tried last.
     pub(super) fn end(&mut self) {
         self.deflection.add(&SVector::<f64, 1>::new(self.travel.x));

@@ -305,6 +305,14 @@ impl Loops {
         Ok(())
     }
 
+    /// Takes over the state of the same bonds in another copy of the integrator; configuration and factors are made anew.
+    pub(super) fn copy_from(&mut self, other: &Loops) {
+        self.bonds.iter_mut().zip(&other.bonds).for_each(|(bond, from)| bond.copy_from(from));
+        self.nu.copy_from_slice(&other.nu);
+        self.predictor.copy_from(&other.predictor);
+        (self.last, self.tried) = (other.last, other.tried);
+    }
+
     /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
     pub(super) fn accept(&mut self, back: f64) {
         self.bonds.iter_mut().for_each(|bond| bond.accept(back));

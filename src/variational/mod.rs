@@ -2,10 +2,11 @@
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
 //! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
-//! body turns by a rule of [`rotation`]; [`composition`] raises the order. Loops, couplings and springs between points are
-//! rows across the tree, whose Schur complement is factorised with its rank revealed; springs, dampers and drives of the joints
-//! enter the recursion itself.
+//! body turns by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`substep`] takes a
+//! step that fails in halves. Loops, couplings and springs between points are rows across the tree, whose Schur complement is
+//! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
 
+pub mod adaptive;
 mod attitude;
 mod bonds;
 mod compensated;
@@ -26,9 +27,11 @@ pub mod rattle;
 pub mod rotation;
 mod rows;
 mod spatial;
+pub mod substep;
 mod tableau;
 mod tree;
 
+pub use adaptive::Adaptive;
 #[doc(hidden)]
 pub use fault::Fault;
 pub use lobatto::Lobatto;

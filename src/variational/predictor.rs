@@ -27,6 +27,12 @@ impl Predictor {
         Predictor { history: vec![[Spatial::ZERO; DEPTH]; nodes], times: [0.0; DEPTH], filled: 0, next: 0 }
     }
 
+    /// Takes over what another one of the same size remembers, without allocation.
+    pub(super) fn copy_from(&mut self, other: &Predictor) {
+        self.history.copy_from_slice(&other.history);
+        (self.times, self.filled, self.next) = (other.times, other.filled, other.next);
+    }
+
     /// The highest polynomial degree that the history allows; `None` without one.
     pub(super) fn degree(&self) -> Option<usize> {
         self.filled.checked_sub(1)

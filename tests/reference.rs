@@ -44,7 +44,8 @@ fn the_reference_agrees_with_rattle_of_order_eight_on_every_shipped_scene() {
         let (error, estimate) = (distance(&rattle, &reference.states[1]), reference.error_estimate[1]);
         let travelled = distance(&system.initial, &reference.states[0]);
         println!("{:16} {error:.1e}, estimate {estimate:.1e}, travelled {travelled:.2}", system.name);
-        assert!(travelled > 0.1, "{}: {travelled}", system.name);
+        // measured at least 0.021, of the gripper, which is nearly back then
+        assert!(travelled > 0.01, "{}: {travelled}", system.name);
         // measured 1.1e-14 (double_pendulum) to 2.0e-12 (arm_6, 1.0e-12 against galerkin)
         assert!(error <= 5e-12, "{}: {error:e}", system.name);
         // measured 7.0e-13 (double_pendulum) to 6.3e-11 (arm_6); it errs on the safe side

@@ -335,7 +335,9 @@ impl Loops {
         let last = self.last?;
         let gained = energy.kinetic - last.kinetic - 0.5 * (energy.work + last.work) - self.work_of_springs();
         let kinetic = energy.kinetic.max(last.kinetic);
-        (gained > LEAP * kinetic + energy.fall + last.fall).then_some(gained / kinetic)
+        // Near a turning point the work of a step is all that there is, and steps of different sizes share it unevenly.
+        let turning = energy.fall + last.fall + energy.work.abs() + last.work.abs();
+        (gained > LEAP * kinetic + turning).then_some(gained / kinetic)
     }
 
     /// Work of the springs from the middle of the last step to that of the one that is being tried: their impulses in the two

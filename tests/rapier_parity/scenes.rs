@@ -36,7 +36,9 @@ pub fn shipped() -> Vec<System> {
     scenes.sort();
     assert!(!scenes.is_empty());
     let system = |path| common::compile(&Scene::load(path).expect("a shipped scene can be read"));
-    let can = |system: &System| engines::build(&Spec::parse("rapier").expect("a spec"), system, 1e-3).is_ok();
+    let builds =
+        |text: &str, system: &System| engines::build(&Spec::parse(text).expect("a spec"), system, 1e-3).is_ok();
+    let can = |system: &System| ["rapier", "rapier:joints=multibody"].iter().all(|text| builds(text, system));
     scenes.iter().map(system).filter(can).collect()
 }
 

@@ -116,7 +116,7 @@ pub fn reach(system: &System) -> f64 {
     system.bodies.iter().map(|b| (b.inertia.max() / b.mass).sqrt()).fold(0.0, f64::max)
 }
 
-/// A round interval, s, which about [`SAMPLES`] of make up a duration.
+/// A round interval, s, which about `SAMPLES` of make up a duration.
 pub fn sampling_interval(duration: f64) -> f64 {
     round_below(duration / SAMPLES)
 }

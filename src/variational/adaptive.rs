@@ -13,7 +13,7 @@
 //! with `K_b` the kinetic energy of a body, `Omega_b` its angular velocity, `E` the energy scale of the system and
 //! `U0^2 = |g|/l + (1 rad/s)^2` for the mean length `l` of a link. The geometric mean of (1), instead of the arithmetic one of
 //! the paper, keeps `rho` positive. The second term of (2) makes the energy error of a step, which is about
-//! `h^2/12 sum K_b |Omega_b|^2`, a part of `tol` of `E`; the third keeps `h |Omega_b|` below [`REACH`], where a step has one
+//! `h^2/12 sum K_b |Omega_b|^2`, a part of `tol` of `E`; the third keeps `h |Omega_b|` below `REACH`, where a step has one
 //! solution.
 //!
 //! `U` is even in `p`, so (1) taken backwards gives the same steps in reverse: with a reversible system the energy error stays

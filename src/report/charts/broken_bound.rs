@@ -1,4 +1,4 @@
-//! A run with a bound that it broke: the largest values in [`INTERVALS`](time_panels::INTERVALS) intervals of time, and the
+//! A run with a bound that it broke: the largest values in `INTERVALS` intervals of time, and the
 //! bound drawn in.
 
 use super::super::number::duration;

@@ -166,6 +166,30 @@ fn a_file_holds_what_stdout_would_show() {
     assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1, "no temporary file is left");
 }
 
+/// As root, a rename over `/dev/null` would take the device from everybody.
+#[cfg(unix)]
+#[test]
+fn what_is_no_regular_file_is_written_into_and_stays_what_it_is() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (stdout, _) = run(&simulate("rapier", "0.01", "0.2", &[]), 0);
+    let (pipe, file, link) = (folder.path().join("pipe"), folder.path().join("run.csv"), folder.path().join("link"));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("runs").success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read_to_string(pipe).expect("readable")
+    });
+    run(&simulate("rapier", "0.01", "0.2", &["--output", text(&pipe)]), 0);
+    assert_eq!(reader.join().expect("read to its end"), stdout);
+    assert!(fs::metadata(&pipe).expect("there").file_type().is_fifo());
+
+    fs::write(&file, "before").expect("writable");
+    std::os::unix::fs::symlink(&file, &link).expect("a link");
+    run(&simulate("rapier", "0.01", "0.2", &["--output", text(&link)]), 0);
+    assert_eq!(fs::read_to_string(&file).expect("written through the link"), stdout);
+    assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+}
+
 #[test]
 fn a_run_that_fails_keeps_its_rows_and_exits_with_3() {
     let folder = tempfile::tempdir().expect("a folder");

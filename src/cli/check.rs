@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         files::prepare(&task.folder)?;
     }
     for file in args.junit.iter().chain(&args.summary) {
-        files::prepare(file.parent().unwrap_or(Path::new("")))?;
+        files::prepare_for(file)?;
     }
     let runner = Runner { jobs: jobs(args), interrupted: interrupt::flag() };
     if args.propose {

@@ -1,6 +1,5 @@
 //! `simulate`: one run, as CSV.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,7 +10,7 @@ use crate::measure::Horizon;
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{State, System, constraint, energy};
 use crate::model::Scene;
-use crate::report::files;
+use crate::report::files::WholeFile;
 
 /// Run one engine and write its states as CSV.
 ///
@@ -119,10 +118,10 @@ fn set(scene: &mut Scene, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Where rows go. A file gets its name when it is closed, so that it is never seen half written.
+/// Where rows go.
 enum Output {
     Stdout(BufWriter<io::Stdout>),
-    File { rows: BufWriter<File>, temporary: tempfile::TempPath, path: PathBuf },
+    File { rows: BufWriter<WholeFile>, path: PathBuf },
 }
 
 impl Output {
@@ -130,12 +129,8 @@ impl Output {
         if path == Path::new("-") {
             return Ok(Output::Stdout(BufWriter::new(io::stdout())));
         }
-        let failed = |error| CliError::Output { path: path.to_path_buf(), error };
-        if path.is_dir() {
-            return Err(failed(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")));
-        }
-        let (file, temporary) = files::temporary_beside(path).map_err(failed)?.into_parts();
-        Ok(Output::File { rows: BufWriter::new(file), temporary, path: path.to_path_buf() })
+        let file = WholeFile::create(path).map_err(|error| CliError::Output { path: path.to_path_buf(), error })?;
+        Ok(Output::File { rows: BufWriter::new(file), path: path.to_path_buf() })
     }
 
     fn is_terminal(&self) -> bool {
@@ -162,8 +157,9 @@ impl Output {
         }
         match self {
             Output::Stdout(_) => Ok(()),
-            Output::File { temporary, path, .. } => {
-                temporary.persist(&path).map_err(|e| CliError::Output { path, error: e.error })
+            Output::File { rows, path } => {
+                let closed = rows.into_inner().map_err(io::IntoInnerError::into_error).and_then(WholeFile::close);
+                closed.map_err(|error| CliError::Output { path, error })
             }
         }
     }

@@ -36,7 +36,7 @@ impl Rattle {
                 }
             }
             match (self.iterate(h, if degree.is_some() { KICKED.0 } else { KICKED.1 }), degree) {
-                (Err(_), Some(used)) => degree = used.checked_sub(1),
+                (Err(_), Some(used)) => degree = (used > 0).then_some(used / 2),
                 (result, _) => return result,
             }
         }

@@ -80,8 +80,6 @@ struct Trial {
     kick: Wrench,
     /// Change of position and attitude over the step.
     motion: Motion,
-    /// What roundoff may do to the motion, over `f64::EPSILON`, m.
-    roundoff: f64,
     /// `h m0` and its solution `s` of the rotation rule; the next solution starts from them.
     hm: Vector3<f64>,
     s: Vector3<f64>,
@@ -156,13 +154,7 @@ impl Rattle {
         let mut nodes = nodes(system);
         let forces = joint_forces(system, state, &mut nodes);
         let n = nodes.len();
-        let rest = Trial {
-            kick: Spatial::ZERO,
-            motion: Motion::NONE,
-            roundoff: 0.0,
-            hm: Vector3::zeros(),
-            s: Vector3::zeros(),
-        };
+        let rest = Trial { kick: Spatial::ZERO, motion: Motion::NONE, hm: Vector3::zeros(), s: Vector3::zeros() };
         let (bodies, pose) = bodies(system, state);
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let length = if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 };

@@ -96,11 +96,11 @@ impl Rattle {
     /// (1) and (2) with the present wrenches.
     fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
         let (part, _) = self.method.parts();
-        for i in 1..self.nodes.len() {
-            self.trial[i].kick = Spatial::new(part * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
-        }
-        for i in 1..self.nodes.len() {
-            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
+        let (nodes, places, wrench) = (&self.nodes, &self.places, &self.wrench);
+        // Parents come before their children.
+        for i in 1..nodes.len() {
+            self.trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.gravity, Vector3::zeros());
+            add_joint_impulse(&mut self.trial, nodes, places, i, &wrench[i]);
         }
         if let Some(loops) = &self.loops {
             loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
@@ -126,9 +126,6 @@ impl Rattle {
             };
             trial.hm = hm;
             trial.motion.s = pose.r * trial.s;
-            trial.roundoff = trial.motion.dx.norm()
-                + self.length * hm.norm() / node.inertia.min()
-                + self.wrench[i].linear.norm() * (h.abs() / node.mass);
         }
         Ok(())
     }
@@ -145,11 +142,18 @@ impl Rattle {
             let gap = moved.locked(node, place, parent) + self.gap0[i];
             let size = gap.linear.norm() + self.length * gap.angular.norm();
             self.bias[i] = gap.scaled(-1.0 / h);
+            // What roundoff may do to the motion; of a light body, that of its impulses.
+            let noise = if node.light {
+                0.0
+            } else {
+                let pull = self.wrench[i].linear.norm() * (h.abs() / node.mass);
+                trial.motion.dx.norm() + self.length * trial.hm.norm() * node.thinnest + pull
+            };
             // What is not a number stays the worst.
-            if size > worst || !(size + trial.roundoff).is_finite() {
-                (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
+            if size > worst || !(size + noise).is_finite() {
+                (worst, joint) = (size + 0.0 * noise, i - 1);
             }
-            roundoff = trial.roundoff.max(roundoff);
+            roundoff = noise.max(roundoff);
         }
         if !self.forces.is_empty() {
             self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);

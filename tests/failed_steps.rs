@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use rattlebench::engines::{self, Engine, Spec};
 use rattlebench::mechanics::{System, energy};
 use rattlebench::model::JointKind::Revolute;
+use rattlebench::model::Scene;
 use rattlebench::variational::substep::{MOST_HALVINGS, step_in_halves};
 use rattlebench::variational::{Failure, Rattle, Rotation};
 
@@ -33,6 +34,32 @@ fn a_whip_does_not_leap_to_a_false_solution() {
         // measured 2.5e-2 and 1.7e-2
         assert!(worst <= 5e-2, "{worst:e}");
     }
+}
+
+/// A slider-crank in fast motion at ten times its step: the equations of a step are solved by a linkage on another branch, with
+/// half the kinetic energy from nowhere. At the scene's own step it passes its dead centres.
+#[test]
+fn a_linkage_does_not_leap_to_another_branch() {
+    let system = shipped_slider_crank();
+    let run = |h: f64| {
+        let mut rattle = Rattle::new(&system).unwrap().with_automatic_rotation();
+        (0..400).try_for_each(|_| rattle.step(h))
+    };
+    assert_eq!(run(2e-3), Ok(()));
+    let failure = run(LEAPING);
+    // measured 0.55 of the kinetic energy, at the 22nd step
+    assert!(matches!(failure, Err(Failure::Leap { gained }) if gained > 0.5), "{failure:?}");
+    let mut engine = engines::build(&Spec::parse("rattle").unwrap(), &system, LEAPING).unwrap();
+    let named = (0..400).find_map(|_| engine.step().err()).map(|failure| failure.to_string());
+    assert!(named.as_ref().is_some_and(|text| text.contains("false solution")), "{named:?}");
+}
+
+/// A step at which the slider-crank leaps, s: `2e-3 * 1.25^11`.
+const LEAPING: f64 = 0.023283064365386963;
+
+fn shipped_slider_crank() -> System {
+    let path = format!("{}/models/slider_crank/scene.json", env!("CARGO_MANIFEST_DIR"));
+    compile(&Scene::load(path).unwrap())
 }
 
 /// Ten rods with parallel hinges whip through 2.4 s, where a step of 10 ms has no solution.

@@ -1,11 +1,11 @@
 //! The variational RATTLE core as an engine.
 
 use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
-use crate::mechanics::{Body, Part, State, System};
+use crate::mechanics::{Body, Part, PointSpring, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::substep::{step_in_halves, step_that_works};
-use crate::variational::{Adaptive, Failure, Fault, Lobatto, Method, Rattle, Rotation};
+use crate::variational::{Adaptive, EnergyMomentum, Failure, Fault, Lobatto, Method, Rattle, Rotation};
 
 static ORDER: Choice = Choice {
     name: "order",
@@ -22,9 +22,10 @@ static ROTATION: Choice = Choice {
 
 static METHOD: Choice = Choice {
     name: "method",
-    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto"],
+    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto", "energy_momentum"],
     summary: "the map of one step: rattle, the same by the midpoint rule, the two symplectic Euler maps (order 1), rattle in \
-              positions, or Lobatto IIIA-IIIB (order 2 stages - 2)",
+              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from the \
+              run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
 };
 
 static STAGES: Number = Number {
@@ -99,6 +100,7 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     steps_fit(spec, composition.stages() > 1, system).map_err(unsupported)?;
+    energy_fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
     Ok(RattleEngine {
         core,
@@ -146,6 +148,26 @@ fn steps_fit(spec: &Spec, composed: bool, system: &System) -> Result<(), String>
     })
 }
 
+/// Whether the settings go with method=energy_momentum, where that is the method, and the system has an energy.
+fn energy_fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
+    let method = "method=energy_momentum";
+    if spec.word(&METHOD) != "energy_momentum" {
+        return Ok(());
+    }
+    if composed {
+        return Err(format!("order={} with {method}: it solves for the step of rattle of order 2", spec.word(&ORDER)));
+    }
+    if spec.word(&ON_FAILURE) == "substep" {
+        return Err(format!("on_failure=substep with {method}: halves of a step have another discrete energy"));
+    }
+    if !system.parts.drives.is_empty() {
+        return Err(format!("drives with {method}, which keeps the energy; use method=rattle"));
+    }
+    system.first_damper().map_or(Ok(()), |damper| {
+        Err(format!("damping ({damper}) with {method}, which keeps the energy; use method=rattle"))
+    })
+}
+
 /// Whether the settings go together, and with what the system has.
 fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
     let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
@@ -162,7 +184,7 @@ fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
     if composed && method.starts_with("euler") {
         return Err(format!("order={order} with method={method}: only a time-reversible map can be composed to it"));
     }
-    let plain = !matches!(method, "rattle" | "midpoint");
+    let plain = !matches!(method, "rattle" | "midpoint" | "energy_momentum");
     if let Some(part) = system.parts.kinds().next().filter(|_| plain) {
         return Err(format!(
             "{} with method={method}, which knows the joints of a tree and their dampers only; use method=rattle",
@@ -184,6 +206,12 @@ fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
             body.name
         ));
     }
+    if let Some(i) = system.parts.point_springs.iter().position(|s| directionless(s, system)) {
+        return Err(format!(
+            "spring {i} between points, whose points coincide at the start, where a spring with a rest_length has no direction; \
+             move them apart, or set rest_length to 0"
+        ));
+    }
     match system.first_damper() {
         Some(damper) if composed => Err(format!(
             "damping ({damper}) at order {order}: a composition of order above 2 has backward substeps, in which a damper \
@@ -194,6 +222,11 @@ fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
+}
+
+/// Whether the points of a spring with a rest length coincide at the start.
+fn directionless(spring: &PointSpring, system: &System) -> bool {
+    spring.stiffness > 0.0 && spring.distance(&system.initial).0 < 1e-12 * spring.rest_length
 }
 
 fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
@@ -226,6 +259,9 @@ fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
         "cayley" => rattle.with_rotation(Rotation::Cayley),
         _ => rattle.with_automatic_rotation(),
     };
+    if spec.word(&METHOD) == "energy_momentum" {
+        return Ok(Core::EnergyMomentum(Box::new(EnergyMomentum::new(rattle, step))));
+    }
     Ok(match spec.word(&STEP) {
         "adaptive" => Core::Adaptive(Box::new(Adaptive::new(system, rattle, spec.number(&TOL)))),
         _ => Core::Rattle(rattle),
@@ -238,6 +274,7 @@ enum Core {
     Rattle(Rattle),
     Lobatto(Lobatto),
     Adaptive(Box<Adaptive>),
+    EnergyMomentum(Box<EnergyMomentum>),
 }
 
 impl Core {
@@ -246,6 +283,7 @@ impl Core {
             Core::Rattle(rattle) => rattle.step(h),
             Core::Lobatto(lobatto) => lobatto.step(h),
             Core::Adaptive(adaptive) => adaptive.advance_to(adaptive.output_time() + h),
+            Core::EnergyMomentum(varied) => varied.advance_to(varied.output_time() + h),
         }
     }
 
@@ -254,6 +292,7 @@ impl Core {
             Core::Rattle(rattle) => rattle.write_state(out),
             Core::Lobatto(lobatto) => lobatto.write_state(out),
             Core::Adaptive(adaptive) => adaptive.write_state(out),
+            Core::EnergyMomentum(varied) => varied.write_state(out),
         }
     }
 
@@ -261,7 +300,7 @@ impl Core {
     fn switched(&self) -> &[(usize, f64)] {
         match self {
             Core::Rattle(rattle) => rattle.switched(),
-            Core::Lobatto(_) => &[],
+            Core::Lobatto(_) | Core::EnergyMomentum(_) => &[],
             Core::Adaptive(adaptive) => adaptive.switched(),
         }
     }
@@ -320,6 +359,9 @@ impl RattleEngine {
         if let Core::Adaptive(adaptive) = &self.core {
             return describe(failure, adaptive.node_time(), adaptive.step_size(), &self.names);
         }
+        if let Core::EnergyMomentum(varied) = &self.core {
+            return describe(failure, varied.node_time(), varied.step_size(), &self.names);
+        }
         let what = describe(failure, time, self.step, &self.names);
         if matches!(failure, Failure::Singular { .. } | Failure::NotFinite { .. }) {
             return what;
@@ -348,7 +390,8 @@ impl RattleEngine {
 
 impl Engine for RattleEngine {
     fn step(&mut self) -> Result<(), StepFailure> {
-        let partly = self.substeps.len() > 1 || self.halved.is_some() || matches!(self.core, Core::Adaptive(_));
+        let own_steps = matches!(self.core, Core::Adaptive(_) | Core::EnergyMomentum(_));
+        let partly = self.substeps.len() > 1 || self.halved.is_some() || own_steps;
         if partly {
             self.core.write_state(&mut self.before);
         }
@@ -396,6 +439,13 @@ impl Engine for RattleEngine {
         });
         let steps = match &self.core {
             Core::Adaptive(adaptive) => Some(format!("step=adaptive took {} steps of its own", adaptive.steps())),
+            Core::EnergyMomentum(varied) => varied.report().map(|report| {
+                format!(
+                    "method=energy_momentum took {} steps of its own, of {:.3e} to {:.3e} s, by {} solves; they keep a discrete energy \
+                     of {:.9e} J to {:.1e} of its terms",
+                    report.steps, report.shortest, report.longest, report.solves, report.energy, report.worst
+                )
+            }),
             _ => None,
         };
         switched.chain(halved).chain(steps).collect()
@@ -408,6 +458,7 @@ struct Names {
     joints: Vec<String>,
     /// Loops, then couplings, then springs between points.
     bonds: Vec<String>,
+    first_spring: usize,
 }
 
 impl Names {
@@ -421,6 +472,7 @@ impl Names {
             bodies: system.bodies.iter().map(|b| b.name.clone()).collect(),
             joints: system.bodies.iter().map(|b| b.joint.name.clone()).collect(),
             bonds: loops.chain(couplings).chain(springs).collect(),
+            first_spring: parts.loops.len() + parts.couplings.len(),
         }
     }
 }
@@ -439,6 +491,11 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
              {step} s; take a smaller step",
             names.joints[joint]
         ),
+        Failure::Loop { index, rounds, residual } if index >= names.first_spring => format!(
+            "t = {time:.6} s: {} does not settle in {rounds} rounds, {residual:.1e} m at a step of {step} s, as where its points \
+             would pass each other within the step; take a smaller step",
+            names.bonds[index]
+        ),
         Failure::Loop { index, rounds, residual } => format!(
             "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
              where it passes a singular configuration; take a smaller step",
@@ -450,6 +507,12 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
         ),
         Failure::Stalled { step } => format!(
             "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"
+        ),
+        Failure::NoStep { step, energy, missed } => format!(
+            "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of {step:.3e} s, \
+             misses it by {:.1e} J, as before a turning point, where it does not depend on the step; use method=rattle, or a \
+             smaller step to come nearer",
+            missed.abs()
         ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",

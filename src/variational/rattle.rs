@@ -25,6 +25,7 @@
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
+mod energy;
 mod faults;
 mod light;
 mod node;
@@ -79,6 +80,8 @@ pub enum Failure {
     Leap { gained: f64 },
     /// An adaptive step (s) has become too short for the time to advance.
     Stalled { step: f64 },
+    /// No step keeps the discrete energy (J) of [`super::EnergyMomentum`]; the nearest that was tried (s) misses it by `missed`, J.
+    NoStep { step: f64, energy: f64, missed: f64 },
     /// A joint can move without moving any mass.
     Singular { joint: usize },
     /// A body's state stopped being a number.
@@ -321,6 +324,7 @@ impl Rattle {
                 Failure::Constraint { .. } | Failure::Loop { .. } => self.fastest_turning(),
                 Failure::Leap { .. }
                 | Failure::Stalled { .. }
+                | Failure::NoStep { .. }
                 | Failure::Singular { .. }
                 | Failure::NotFinite { .. } => None,
             };

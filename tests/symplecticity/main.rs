@@ -192,8 +192,10 @@ fn springs_between_points_leave_a_step_symplectic_and_dampers_do_not() {
             METHODS[..6].iter().map(|m| defect(&on_point_springs(stiffness, 0.0), m)).collect();
         let damped = defect(&on_point_springs(stiffness, 1.0), METHODS[0]);
         println!("{found:?} damped {damped:?}");
-        assert!(found.iter().all(|d| d.defect <= 2.0 * d.error && d.error <= 2.5e-9), "{found:?}");
-        assert!(damped.defect > 1e-5 && damped.defect > 100.0 * damped.error, "{damped:?}");
+        // measured defects up to 5.7e-11 and errors up to 1.1e-9
+        assert!(found.iter().all(|d| d.defect <= d.error && d.error <= 2.5e-9), "{found:?}");
+        // measured 0.15 and 0.17
+        assert!(damped.defect > 0.05 && damped.defect > 100.0 * damped.error, "{damped:?}");
     }
 }
 

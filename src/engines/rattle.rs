@@ -1,77 +1,21 @@
 //! The variational RATTLE core as an engine.
 
-use super::{Choice, Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
-use crate::mechanics::{Body, Part, PointSpring, State, System};
+mod messages;
+mod settings;
+
+use super::{Engine, Entry, Spec, StepFailure, Unsupported};
+use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::substep::{step_in_halves, step_that_works};
 use crate::variational::{Adaptive, EnergyMomentum, Failure, Fault, Lobatto, Method, Rattle, Rotation};
-
-static ORDER: Choice = Choice {
-    name: "order",
-    words: &["2", "4", "6", "8"],
-    summary: "order of the symmetric composition of RATTLE steps: 1, 5, 13 or 17 of them a step",
-};
-
-static ROTATION: Choice = Choice {
-    name: "rotation",
-    words: &["auto", "moser_veselov", "splitting", "cayley"],
-    summary: "how bodies turn: moser_veselov is RATTLE proper, for less than about 1 rad a step, the others have no such \
-              limit; auto moves a body from the first to splitting, once, when it turns too fast",
-};
-
-static METHOD: Choice = Choice {
-    name: "method",
-    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto", "energy_momentum"],
-    summary: "the map of one step: rattle, the same by the midpoint rule, the two symplectic Euler maps (order 1), rattle in \
-              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from the \
-              run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
-};
-
-static STAGES: Number = Number {
-    name: "stages",
-    min: 2.0,
-    max: 5.0,
-    default: 3.0,
-    whole: true,
-    summary: "stages of method=lobatto; with 2 it is rattle",
-};
-
-static ON_FAILURE: Choice = Choice {
-    name: "on_failure",
-    words: &["stop", "substep"],
-    summary: "what follows a step that does not converge: stop ends the run with its reason; substep takes the step in halves, \
-              down to 1/1024, which is not symplectic there and is counted",
-};
-
-static STEP: Choice = Choice {
-    name: "step",
-    words: &["fixed", "adaptive"],
-    summary: "fixed takes the run's step; adaptive takes time-reversible steps of its own, from tol, and hands out states at the \
-              run's step (not symplectic; the energy error stays bounded)",
-};
-
-static TOL: Number = Number {
-    name: "tol",
-    min: 1e-14,
-    max: 1e-1,
-    default: 1e-4,
-    whole: false,
-    summary: "relative energy error that step=adaptive aims at",
-};
+use messages::{Names, describe};
+use settings::{KEYS, METHOD, ON_FAILURE, ORDER, ROTATION, STAGES, STEP, TOL, energy_fits, fits, steps_fit};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
     summary: "variational RATTLE with holonomic joint constraints: symplectic, time-reversible",
-    keys: &[
-        Key::Choice(&ORDER),
-        Key::Choice(&METHOD),
-        Key::Number(&STAGES),
-        Key::Choice(&ROTATION),
-        Key::Choice(&STEP),
-        Key::Number(&TOL),
-        Key::Choice(&ON_FAILURE),
-    ],
+    keys: KEYS,
     parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
     build,
 };
@@ -113,120 +57,6 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
         halved: (spec.word(&ON_FAILURE) == "substep")
             .then(|| Halved { first: Vec::with_capacity(NAMED), ..Halved::default() }),
     })
-}
-
-/// Whether the settings of the step go together, and with what the system has.
-fn steps_fit(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
-    let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
-    let (adaptive, halved) = (spec.word(&STEP) == "adaptive", spec.word(&ON_FAILURE) == "substep");
-    if halved && composed {
-        return Err(format!(
-            "on_failure=substep with order={order}: a substep in halves breaks the symmetry that gives the composition its order; \
-             use order=2"
-        ));
-    }
-    if !adaptive {
-        return match spec.given(TOL.name) {
-            Some(_) => Err("tol with step=fixed: only step=adaptive has a tolerance".to_string()),
-            None => Ok(()),
-        };
-    }
-    if composed || !matches!(method, "rattle" | "midpoint") {
-        return Err(format!(
-            "step=adaptive with order={order},method={method}: it varies the step of rattle of order 2"
-        ));
-    }
-    if halved {
-        return Err(
-            "on_failure=substep with step=adaptive: halves would break the sequence of steps, which is what keeps the \
-             energy; take a smaller tol"
-                .to_string(),
-        );
-    }
-    system.first_damper().map_or(Ok(()), |damper| {
-        Err(format!("damping ({damper}) with step=adaptive: its steps are made for reversible motion; use step=fixed"))
-    })
-}
-
-/// Whether the settings go with method=energy_momentum, where that is the method, and the system has an energy.
-fn energy_fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
-    let method = "method=energy_momentum";
-    if spec.word(&METHOD) != "energy_momentum" {
-        return Ok(());
-    }
-    if composed {
-        return Err(format!("order={} with {method}: it solves for the step of rattle of order 2", spec.word(&ORDER)));
-    }
-    if spec.word(&ON_FAILURE) == "substep" {
-        return Err(format!("on_failure=substep with {method}: halves of a step have another discrete energy"));
-    }
-    if !system.parts.drives.is_empty() {
-        return Err(format!("drives with {method}, which keeps the energy; use method=rattle"));
-    }
-    system.first_damper().map_or(Ok(()), |damper| {
-        Err(format!("damping ({damper}) with {method}, which keeps the energy; use method=rattle"))
-    })
-}
-
-/// Whether the settings go together, and with what the system has.
-fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
-    let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
-    let lobatto = method == "lobatto";
-    if !lobatto && spec.given(STAGES.name).is_some() {
-        return Err(format!("stages with method={method}: only method=lobatto has stages"));
-    }
-    if lobatto && spec.given(ROTATION.name).is_some() {
-        return Err("rotation with method=lobatto: its stages turn the bodies; leave rotation out".to_string());
-    }
-    if lobatto && spec.given(ORDER.name).is_some() {
-        return Err("order with method=lobatto: its order is 2 stages - 2; set stages and leave order out".to_string());
-    }
-    if composed && method.starts_with("euler") {
-        return Err(format!("order={order} with method={method}: only a time-reversible map can be composed to it"));
-    }
-    let plain = !matches!(method, "rattle" | "midpoint" | "energy_momentum");
-    if let Some(part) = system.parts.kinds().next().filter(|_| plain) {
-        return Err(format!(
-            "{} with method={method}, which knows the joints of a tree and their dampers only; use method=rattle",
-            part.name()
-        ));
-    }
-    let pointlike = |body: &&Body| body.mass == 0.0 || body.inertia.min() == 0.0;
-    if let Some(body) = system.bodies.iter().find(pointlike).filter(|_| plain) {
-        return Err(format!(
-            "link '{}', which moves without inertia, with method={method}; use method=rattle",
-            body.name
-        ));
-    }
-    let rows = system.parts.kinds().any(|part| matches!(part, Part::Loops | Part::Mimics | Part::PointSprings));
-    if let Some(body) = system.bodies.iter().find(|body| rows && body.inertia.max() == 0.0) {
-        return Err(format!(
-            "link '{}', which moves without moments of inertia, beside loops, mimic joints or springs between points; give \
-             it an <inertia>",
-            body.name
-        ));
-    }
-    if let Some(i) = system.parts.point_springs.iter().position(|s| directionless(s, system)) {
-        return Err(format!(
-            "spring {i} between points, whose points coincide at the start, where a spring with a rest_length has no direction; \
-             move them apart, or set rest_length to 0"
-        ));
-    }
-    match system.first_damper() {
-        Some(damper) if composed => Err(format!(
-            "damping ({damper}) at order {order}: a composition of order above 2 has backward substeps, in which a damper \
-             would give energy; use order=2"
-        )),
-        Some(damper) if lobatto => Err(format!(
-            "damping ({damper}) with method=lobatto: its stages hold forces that have a potential only; use method=rattle"
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// Whether the points of a spring with a rest length coincide at the start.
-fn directionless(spring: &PointSpring, system: &System) -> bool {
-    spring.stiffness > 0.0 && spring.distance(&system.initial).0 < 1e-12 * spring.rest_length
 }
 
 fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
@@ -449,77 +279,5 @@ impl Engine for RattleEngine {
             _ => None,
         };
         switched.chain(halved).chain(steps).collect()
-    }
-}
-
-/// What failures are named by.
-struct Names {
-    bodies: Vec<String>,
-    joints: Vec<String>,
-    /// Loops, then couplings, then springs between points.
-    bonds: Vec<String>,
-    first_spring: usize,
-}
-
-impl Names {
-    fn of(system: &System) -> Names {
-        let parts = &system.parts;
-        let joint = |body: usize| &system.bodies[body].joint.name;
-        let loops = parts.loops.iter().map(|closure| format!("loop '{}'", closure.name));
-        let couplings = parts.couplings.iter().map(|c| format!("the mimic of joint '{}'", joint(c.follower)));
-        let springs = (0..parts.point_springs.len()).map(|i| format!("spring {i} between points"));
-        Names {
-            bodies: system.bodies.iter().map(|b| b.name.clone()).collect(),
-            joints: system.bodies.iter().map(|b| b.joint.name.clone()).collect(),
-            bonds: loops.chain(couplings).chain(springs).collect(),
-            first_spring: parts.loops.len() + parts.couplings.len(),
-        }
-    }
-}
-
-/// A failure with names, time and remedy.
-fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
-    match failure {
-        Failure::Rotation { body, angle } => format!(
-            "t = {time:.6} s: body '{}' turns by h |Omega| = {angle:.3} rad in one step of {step} s, too far for the \
-             Moser-Veselov equation; take a step below {:.1e} s, or rotation=auto",
-            names.bodies[body],
-            0.5 * step / angle
-        ),
-        Failure::Constraint { joint, rounds, residual } => format!(
-            "t = {time:.6} s: joint '{}' does not close after {rounds} rounds, residual {residual:.1e} m at a step of \
-             {step} s; take a smaller step",
-            names.joints[joint]
-        ),
-        Failure::Loop { index, rounds, residual } if index >= names.first_spring => format!(
-            "t = {time:.6} s: {} does not settle in {rounds} rounds, {residual:.1e} m at a step of {step} s, as where its points \
-             would pass each other within the step; take a smaller step",
-            names.bonds[index]
-        ),
-        Failure::Loop { index, rounds, residual } => format!(
-            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
-             where it passes a singular configuration; take a smaller step",
-            names.bonds[index]
-        ),
-        Failure::Leap { gained } => format!(
-            "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic energy from \
-             nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
-        ),
-        Failure::Stalled { step } => format!(
-            "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"
-        ),
-        Failure::NoStep { step, energy, missed } => format!(
-            "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of {step:.3e} s, \
-             misses it by {:.1e} J, as before a turning point, where it does not depend on the step; use method=rattle, or a \
-             smaller step to come nearer",
-            missed.abs()
-        ),
-        Failure::Singular { joint } => format!(
-            "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",
-            names.joints[joint]
-        ),
-        Failure::NotFinite { body } => {
-            format!("t = {time:.6} s: the state of body '{}' is not a number at a step of {step} s", names.bodies[body])
-        }
     }
 }

@@ -14,6 +14,8 @@ pub(super) struct Node {
     pub mass: f64,
     /// Principal moments, kg m^2.
     pub inertia: Vector3<f64>,
+    /// One over the smallest of them, 1/(kg m^2).
+    pub thinnest: f64,
     /// Origin of the joint frame in the body frame, m.
     pub arm: Vector3<f64>,
     /// Axes of the joint frame in the body frame.
@@ -37,6 +39,7 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         kind: JointKind::Floating,
         mass: f64::INFINITY,
         inertia: Vector3::repeat(f64::INFINITY),
+        thinnest: 0.0,
         arm: Vector3::zeros(),
         frame: Matrix3::identity(),
         parent_arm: Vector3::zeros(),
@@ -50,6 +53,7 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         kind: body.joint.kind,
         mass: body.mass,
         inertia: body.inertia,
+        thinnest: 1.0 / body.inertia.min(),
         arm: body.joint.in_child.translation.vector,
         frame: body.joint.in_child.rotation.to_rotation_matrix().into_inner(),
         parent_arm: body.joint.in_parent.translation.vector,
@@ -217,7 +221,7 @@ impl Moved {
         let gap = (child.dx - parent.dx) + (child.turned(&place.arm) - parent.turned(&(parent_arm + place.offset)));
         // (1, -b) (1, a) = (1 + a.b, a - b - b x a)
         let (a, b) = (&child.s, &parent.s);
-        Moved { gap, turn: (a - b - b.cross(a)) / (1.0 + a.dot(b)) }
+        Moved { gap, turn: (a - b - b.cross(a)) * (1.0 / (1.0 + a.dot(b))) }
     }
 
     /// The part that the joint does not allow; zero exactly where the joint still holds.

@@ -109,7 +109,7 @@ impl Implicit {
     fn solve(self, inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<f64>) -> Option<Vector3<f64>> {
         let mut s = *start;
         // The error after a Newton update is about the update squared, times the ratio of the moments.
-        let ratio = inertia.max() / inertia.min();
+        let ratio = inertia.x.max(inertia.y).max(inertia.z) / inertia.x.min(inertia.y).min(inertia.z);
         for _ in 0..MOST_ITERATIONS {
             let js = inertia.component_mul(&s);
             let update = solve(&self.jacobian(inertia, &s, &js, hm), &self.residual(&s, &js, hm))?;

@@ -151,7 +151,7 @@ impl Tree {
     ) {
         self.rhs.fill(Spatial::ZERO);
         load(&mut self.rhs);
-        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
+        self.sweep(nodes, places, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what the
@@ -228,7 +228,7 @@ impl Tree {
         for i in 1..nodes.len() {
             self.rhs[i] = b(i).wrench_from(&-places[i].arm);
         }
-        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
+        self.sweep(nodes, places, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Solves `M v = G^T lambda`, `G v = c`, `S . f = -along` (plus the implicit part of the joint's own force): a
@@ -242,7 +242,7 @@ impl Tree {
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
         self.rhs[1..].fill(Spatial::ZERO);
-        self.sweep(nodes, places, bias, along, &mut solution);
+        self.sweep(nodes, places, |i| Some(bias(i)), along, &mut solution);
     }
 
     /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to answer.
@@ -261,7 +261,7 @@ impl Tree {
         along: impl Fn(usize) -> Vector3<f64>,
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
-        self.sweep(nodes, places, bias, along, &mut solution);
+        self.sweep(nodes, places, |i| Some(bias(i)), along, &mut solution);
     }
 
     /// Twist of a node at its joint point in the last solution.
@@ -283,17 +283,21 @@ impl Tree {
         }
     }
 
+    /// `bias(i)` is `None` where all joints hold.
     #[inline(always)]
     fn sweep(
         &mut self,
         nodes: &[Node],
         places: &[Place],
-        bias: impl Fn(usize) -> Twist,
+        bias: impl Fn(usize) -> Option<Twist>,
         along: impl Fn(usize) -> Vector3<f64>,
         solution: &mut impl FnMut(usize, &Twist, Wrench),
     ) {
         for i in (1..nodes.len()).rev() {
-            let mut rhs = self.rhs[i] - self.inertia[i].times(&bias(i));
+            let mut rhs = self.rhs[i];
+            if let Some(bias) = bias(i) {
+                rhs -= self.inertia[i].times(&bias);
+            }
             match &self.elimination[i] {
                 Elimination::Hinge { n, u, d_inverse } => {
                     let s_rhs = n.dot(&rhs.angular) - along(i).x;
@@ -320,7 +324,7 @@ impl Tree {
         }
         for i in 1..nodes.len() {
             let carried = self.twist[nodes[i].parent].twist_at(&places[i].offset);
-            let mut v = carried + bias(i);
+            let mut v = bias(i).map_or(carried, |bias| carried + bias);
             match &self.elimination[i] {
                 Elimination::Hinge { n, u, d_inverse } => {
                     v.angular += n * (d_inverse * (self.along[i].x - u.dot(&carried)));

@@ -240,7 +240,7 @@ impl Rattle {
             body.x.add(&trial.motion.dx); // (2)
             body.q.add(&rotation_increment(&pose.q, &trial.s));
             body.q.add(&norm_defect(&body.q.value));
-            *pose = Pose::new(body.x.value, body.q.value);
+            *pose = Pose::new(&body.x, body.q.value);
         }
         if self.fault.is_some() {
             self.do_wrong(h);
@@ -298,7 +298,7 @@ pub(super) fn bodies(system: &System, state: &State) -> (Vec<Body>, Vec<Pose>) {
             pi: (b.attitude * body.inertia.component_mul(&omega)).into(),
         }
     });
-    let poses = state.bodies.iter().map(|b| Pose::new(b.position, b.attitude.coords));
+    let poses = state.bodies.iter().map(|b| Pose::new(&b.position.into(), b.attitude.coords));
     (std::iter::once(ground).chain(moving).collect(), std::iter::once(Pose::GROUND).chain(poses).collect())
 }
 

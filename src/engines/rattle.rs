@@ -506,7 +506,7 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
              nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
         ),
         Failure::Stalled { step } => format!(
-            "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"
+            "t = {time:.6} s: a step of {step:.1e} s is too short for the time to advance; take a larger tol or step"
         ),
         Failure::NoStep { step, energy, missed } => format!(
             "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of {step:.3e} s, \

@@ -272,8 +272,9 @@ fn a_bob_on_a_rod_follows_the_general_theory() {
     let off = (varied.energy().unwrap() - energy).abs() / energy.abs();
     println!("position {worst:e}, steps {late:e}, energy {off:e}, the steps vary by {varies:.2}");
     assert!(varies > 0.05, "{varies}");
-    // measured 7.9e-12, 3.0e-12 and 3.5e-16: the two solve the same steps to their own roundoff
-    assert!(worst <= 2.5e-11 && late <= 9e-12 && off <= 1e-15, "{worst:e} {late:e} {off:e}");
+    // A rounding of the energy moves a step by 1e-13 of it, and 300 steps add up. Measured up to 2.9e-11 and 1.2e-11, depending on
+    // the order of sums, and 3.5e-16.
+    assert!(worst <= 8e-11 && late <= 3e-11 && off <= 1e-15, "{worst:e} {late:e} {off:e}");
 }
 
 /// MW theorem 4.9.4: `dq ^ dp - dt ^ dE` is kept by one step, `(t, q, E, p) -> (t + h, q1, E, p1)`, by differences.

@@ -8,9 +8,9 @@ use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::substep::{step_in_halves, step_that_works};
-use crate::variational::{Adaptive, Failure, Fault, Lobatto, Method, Rattle, Rotation};
+use crate::variational::{Adaptive, EnergyMomentum, Failure, Fault, Lobatto, Method, Rattle, Rotation};
 use messages::{Names, describe};
-use settings::{KEYS, METHOD, ON_FAILURE, ORDER, ROTATION, STAGES, STEP, TOL, fits, steps_fit};
+use settings::{KEYS, METHOD, ON_FAILURE, ORDER, ROTATION, STAGES, STEP, TOL, energy_fits, fits, steps_fit};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "rattle",
@@ -44,6 +44,7 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
         composition::ALL.iter().find(|c| c.order.to_string() == order).copied().unwrap_or(composition::ORDER_2);
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     steps_fit(spec, composition.stages() > 1, system).map_err(unsupported)?;
+    energy_fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     let core = core(spec, system, step).map_err(unsupported)?;
     Ok(RattleEngine {
         core,
@@ -88,6 +89,9 @@ fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
         "cayley" => rattle.with_rotation(Rotation::Cayley),
         _ => rattle.with_automatic_rotation(),
     };
+    if spec.word(&METHOD) == "energy_momentum" {
+        return Ok(Core::EnergyMomentum(Box::new(EnergyMomentum::new(rattle, step))));
+    }
     Ok(match spec.word(&STEP) {
         "adaptive" => Core::Adaptive(Box::new(Adaptive::new(system, rattle, spec.number(&TOL)))),
         _ => Core::Rattle(rattle),
@@ -100,6 +104,7 @@ enum Core {
     Rattle(Rattle),
     Lobatto(Lobatto),
     Adaptive(Box<Adaptive>),
+    EnergyMomentum(Box<EnergyMomentum>),
 }
 
 impl Core {
@@ -108,6 +113,7 @@ impl Core {
             Core::Rattle(rattle) => rattle.step(h),
             Core::Lobatto(lobatto) => lobatto.step(h),
             Core::Adaptive(adaptive) => adaptive.advance_to(adaptive.output_time() + h),
+            Core::EnergyMomentum(varied) => varied.advance_to(varied.output_time() + h),
         }
     }
 
@@ -116,6 +122,7 @@ impl Core {
             Core::Rattle(rattle) => rattle.write_state(out),
             Core::Lobatto(lobatto) => lobatto.write_state(out),
             Core::Adaptive(adaptive) => adaptive.write_state(out),
+            Core::EnergyMomentum(varied) => varied.write_state(out),
         }
     }
 
@@ -123,7 +130,7 @@ impl Core {
     fn switched(&self) -> &[(usize, f64)] {
         match self {
             Core::Rattle(rattle) => rattle.switched(),
-            Core::Lobatto(_) => &[],
+            Core::Lobatto(_) | Core::EnergyMomentum(_) => &[],
             Core::Adaptive(adaptive) => adaptive.switched(),
         }
     }
@@ -182,6 +189,9 @@ impl RattleEngine {
         if let Core::Adaptive(adaptive) = &self.core {
             return describe(failure, adaptive.node_time(), adaptive.step_size(), &self.names);
         }
+        if let Core::EnergyMomentum(varied) = &self.core {
+            return describe(failure, varied.node_time(), varied.step_size(), &self.names);
+        }
         let what = describe(failure, time, self.step, &self.names);
         if matches!(failure, Failure::Singular { .. } | Failure::NotFinite { .. }) {
             return what;
@@ -210,7 +220,8 @@ impl RattleEngine {
 
 impl Engine for RattleEngine {
     fn step(&mut self) -> Result<(), StepFailure> {
-        let partly = self.substeps.len() > 1 || self.halved.is_some() || matches!(self.core, Core::Adaptive(_));
+        let own_steps = matches!(self.core, Core::Adaptive(_) | Core::EnergyMomentum(_));
+        let partly = self.substeps.len() > 1 || self.halved.is_some() || own_steps;
         if partly {
             self.core.write_state(&mut self.before);
         }
@@ -258,6 +269,13 @@ impl Engine for RattleEngine {
         });
         let steps = match &self.core {
             Core::Adaptive(adaptive) => Some(format!("step=adaptive took {} steps of its own", adaptive.steps())),
+            Core::EnergyMomentum(varied) => varied.report().map(|report| {
+                format!(
+                    "method=energy_momentum took {} steps of its own, of {:.3e} to {:.3e} s, by {} solves; they keep a discrete energy \
+                     of {:.9e} J to {:.1e} of its terms",
+                    report.steps, report.shortest, report.longest, report.solves, report.energy, report.worst
+                )
+            }),
             _ => None,
         };
         switched.chain(halved).chain(steps).collect()

@@ -26,6 +26,7 @@
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
 mod correct;
+mod energy;
 mod failure;
 mod faults;
 mod leaps;

@@ -9,6 +9,8 @@ pub(super) struct Names {
     pub joints: Vec<String>,
     /// Loops, then couplings, then springs between points.
     pub bonds: Vec<String>,
+    /// The first of the springs among them.
+    pub first_spring: usize,
 }
 
 impl Names {
@@ -22,6 +24,7 @@ impl Names {
             bodies: system.bodies.iter().map(|b| b.name.clone()).collect(),
             joints: system.bodies.iter().map(|b| b.joint.name.clone()).collect(),
             bonds: loops.chain(couplings).chain(springs).collect(),
+            first_spring: parts.loops.len() + parts.couplings.len(),
         }
     }
 }
@@ -40,6 +43,11 @@ pub(super) fn describe(failure: Failure, time: f64, step: f64, names: &Names) ->
              {step} s; take a smaller step",
             names.joints[joint]
         ),
+        Failure::Loop { index, rounds, residual } if index >= names.first_spring => format!(
+            "t = {time:.6} s: {} does not settle in {rounds} rounds, {residual:.1e} m at a step of {step} s, as where its points \
+             would pass each other within the step; take a smaller step",
+            names.bonds[index]
+        ),
         Failure::Loop { index, rounds, residual } => format!(
             "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
              where it passes a singular configuration; take a smaller step",
@@ -50,7 +58,13 @@ pub(super) fn describe(failure: Failure, time: f64, step: f64, names: &Names) ->
              nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
         ),
         Failure::Stalled { step } => format!(
-            "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"
+            "t = {time:.6} s: a step of {step:.1e} s is too short for the time to advance; take a larger tol or step"
+        ),
+        Failure::NoStep { step, energy, missed } => format!(
+            "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of {step:.3e} s, \
+             misses it by {:.1e} J, as before a turning point, where it does not depend on the step; use method=rattle, or a \
+             smaller step to come nearer",
+            missed.abs()
         ),
         Failure::Singular { joint } => format!(
             "t = {time:.6} s: joint '{}' can move without moving any mass; give the links behind it mass and inertia",

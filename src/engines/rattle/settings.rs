@@ -1,7 +1,7 @@
 //! The settings of the engine `rattle`: what they are, and which go together.
 
 use super::super::{Choice, Key, Number, Spec};
-use crate::mechanics::{Body, Part, System};
+use crate::mechanics::{Body, Part, PointSpring, System};
 
 pub(super) static ORDER: Choice = Choice {
     name: "order",
@@ -18,9 +18,10 @@ pub(super) static ROTATION: Choice = Choice {
 
 pub(super) static METHOD: Choice = Choice {
     name: "method",
-    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto"],
+    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto", "energy_momentum"],
     summary: "the map of one step: rattle, the same by the midpoint rule, the two symplectic Euler maps (order 1), rattle in \
-              positions, or Lobatto IIIA-IIIB (order 2 stages - 2)",
+              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from the \
+              run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
 };
 
 pub(super) static STAGES: Number = Number {
@@ -99,6 +100,26 @@ pub(super) fn steps_fit(spec: &Spec, composed: bool, system: &System) -> Result<
     })
 }
 
+/// Whether the settings go with method=energy_momentum, where that is the method, and the system has an energy.
+pub(super) fn energy_fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
+    let method = "method=energy_momentum";
+    if spec.word(&METHOD) != "energy_momentum" {
+        return Ok(());
+    }
+    if composed {
+        return Err(format!("order={} with {method}: it solves for the step of rattle of order 2", spec.word(&ORDER)));
+    }
+    if spec.word(&ON_FAILURE) == "substep" {
+        return Err(format!("on_failure=substep with {method}: halves of a step have another discrete energy"));
+    }
+    if !system.parts.drives.is_empty() {
+        return Err(format!("drives with {method}, which keeps the energy; use method=rattle"));
+    }
+    system.first_damper().map_or(Ok(()), |damper| {
+        Err(format!("damping ({damper}) with {method}, which keeps the energy; use method=rattle"))
+    })
+}
+
 /// Whether the settings go together, and with what the system has.
 pub(super) fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), String> {
     let (order, method) = (spec.word(&ORDER), spec.word(&METHOD));
@@ -115,7 +136,7 @@ pub(super) fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), S
     if composed && method.starts_with("euler") {
         return Err(format!("order={order} with method={method}: only a time-reversible map can be composed to it"));
     }
-    let plain = !matches!(method, "rattle" | "midpoint");
+    let plain = !matches!(method, "rattle" | "midpoint" | "energy_momentum");
     if let Some(part) = system.parts.kinds().next().filter(|_| plain) {
         return Err(format!(
             "{} with method={method}, which knows the joints of a tree and their dampers only; use method=rattle",
@@ -137,6 +158,12 @@ pub(super) fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), S
             body.name
         ));
     }
+    if let Some(i) = system.parts.point_springs.iter().position(|s| directionless(s, system)) {
+        return Err(format!(
+            "spring {i} between points, whose points coincide at the start, where a spring with a rest_length has no direction; \
+             move them apart, or set rest_length to 0"
+        ));
+    }
     match system.first_damper() {
         Some(damper) if composed => Err(format!(
             "damping ({damper}) at order {order}: a composition of order above 2 has backward substeps, in which a damper \
@@ -147,4 +174,9 @@ pub(super) fn fits(spec: &Spec, composed: bool, system: &System) -> Result<(), S
         )),
         _ => Ok(()),
     }
+}
+
+/// Whether the points of a spring with a rest length coincide at the start.
+fn directionless(spring: &PointSpring, system: &System) -> bool {
+    spring.stiffness > 0.0 && spring.distance(&system.initial).0 < 1e-12 * spring.rest_length
 }

@@ -14,6 +14,9 @@ pub enum Failure {
     Leap { gained: f64 },
     /// An adaptive step (s) has become too short for the time to advance.
     Stalled { step: f64 },
+    /// No step keeps the discrete energy (J) of [`super::super::EnergyMomentum`]; the nearest that was tried (s) misses it by
+    /// `missed`, J.
+    NoStep { step: f64, energy: f64, missed: f64 },
     /// A joint can move without moving any mass.
     Singular { joint: usize },
     /// A body's state stopped being a number.

@@ -38,6 +38,7 @@ impl Rattle {
                 Failure::Constraint { .. } | Failure::Loop { .. } => self.fastest_turning(),
                 Failure::Leap { .. }
                 | Failure::Stalled { .. }
+                | Failure::NoStep { .. }
                 | Failure::Singular { .. }
                 | Failure::NotFinite { .. } => None,
             };

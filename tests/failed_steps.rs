@@ -31,7 +31,7 @@ fn a_whip_does_not_leap_to_a_false_solution() {
             worst = worst.max(error(&system, &state));
         }
         println!("{rotation:?}: {worst:.2e}");
-        // measured 2.5e-2 and 1.7e-2
+        // measured 2.5e-2 and 3.4e-2
         assert!(worst <= 5e-2, "{worst:e}");
     }
 }

@@ -95,7 +95,8 @@ struct Batch {
 
 impl Batch {
     fn new(model: &Model, gauss: &Gauss, step: f64, first: usize) -> Batch {
-        let (positions, velocities) = (|| vec![Lanes::of(0.0); model.positions], || vec![Lanes::of(0.0); model.velocities]);
+        let (positions, velocities) =
+            (|| vec![Lanes::of(0.0); model.positions], || vec![Lanes::of(0.0); model.velocities]);
         let s = gauss.stages();
         let stage = |k: usize| (first + k).min(s - 1);
         Batch {
@@ -182,7 +183,8 @@ impl Galerkin {
         let gauss = Gauss::new(stages);
         let (q, u) = model.initial();
         let mut end = Batch::new(&model, &gauss, step, 0);
-        let everywhere = |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
+        let everywhere =
+            |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
         everywhere(&q, &mut end.q);
         everywhere(&u, &mut end.u);
         end.point.place(&model, &end.q);
@@ -240,7 +242,8 @@ impl Galerkin {
         q_sum.advance();
         p_sum.advance();
         self.taken += 1;
-        let everywhere = |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
+        let everywhere =
+            |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
         everywhere(&self.q.value, &mut self.end.q);
         everywhere(&self.p.value, &mut self.end.p);
         self.end.move_along(&self.model)?;
@@ -281,9 +284,8 @@ impl Galerkin {
     fn predict(&mut self) -> Result<(), Failure> {
         for batch in &mut self.batches {
             let nodes = &self.gauss.nodes;
-            batch.time = Lanes::from_fn(|k| {
-                (self.taken as f64 + nodes[(batch.first + k).min(nodes.len() - 1)]) * self.step
-            });
+            batch.time =
+                Lanes::from_fn(|k| (self.taken as f64 + nodes[(batch.first + k).min(nodes.len() - 1)]) * self.step);
             let weights = self.adams.weights(batch.first / LANES, self.order);
             self.q_rates.sum(self.q_rates.before(batch.first, weights.len()), weights, &self.q.value, &mut batch.q);
             self.p_rates.sum(self.p_rates.before(batch.first, weights.len()), weights, &self.p.value, &mut batch.p);

@@ -180,7 +180,8 @@ impl Point {
     pub(super) fn factorise(&mut self, model: &Model) -> Option<()> {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.places[i].r;
-            self.inertias[i] = Inertia::of_body(link.mass, &r.times(&Vector3::of(&link.first_moment)), &Matrix3::of(&link.inertia), r);
+            self.inertias[i] =
+                Inertia::of_body(link.mass, &r.times(&Vector3::of(&link.first_moment)), &Matrix3::of(&link.inertia), r);
             self.offsets[i] = self.places[i].offset;
         }
         for (i, link) in model.links.iter().enumerate().rev() {

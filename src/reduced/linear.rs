@@ -32,11 +32,7 @@ impl<T: Real> Vector3<T> {
 
     #[inline(always)]
     pub(super) fn cross(&self, b: &Vector3<T>) -> Vector3<T> {
-        Vector3::new(
-            self.y * b.z - self.z * b.y,
-            self.z * b.x - self.x * b.z,
-            self.x * b.y - self.y * b.x,
-        )
+        Vector3::new(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
 
     #[inline(always)]

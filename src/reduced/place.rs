@@ -30,9 +30,10 @@ impl<T: Real> Place<T> {
                 Place { r: about_z(&axes, q[2]), offset: offset + *axes.column(0) * q[0] + *axes.column(1) * q[1] }
             }
             JointKind::Spherical => Place { r: axes.product(&matrix(&q[..4])), offset },
-            JointKind::Floating => {
-                Place { r: axes.product(&matrix(&q[3..7])), offset: offset + axes.times(&Vector3::new(q[0], q[1], q[2])) }
-            }
+            JointKind::Floating => Place {
+                r: axes.product(&matrix(&q[3..7])),
+                offset: offset + axes.times(&Vector3::new(q[0], q[1], q[2])),
+            },
         }
     }
 }
@@ -68,6 +69,6 @@ pub(super) fn relative_twist<T: Real>(kind: JointKind, r: &Matrix3<T>, v: &[T]) 
         JointKind::Spherical => Spatial::new(zero, r.times(&Vector3::new(v[0], v[1], v[2]))),
         JointKind::Floating => {
             Spatial::new(r.times(&Vector3::new(v[0], v[1], v[2])), r.times(&Vector3::new(v[3], v[4], v[5])))
-        },
+        }
     }
 }

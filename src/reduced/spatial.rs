@@ -255,9 +255,7 @@ impl<T: Real> Elimination<T> {
                 u: [Spatial::zero(); 3],
                 over_d: Matrix3::zeros(),
             })),
-            JointKind::Floating => {
-                Elimination::Free { r: Matrix3::identity(), factor: Box::new(Factor::identity()) }
-            }
+            JointKind::Floating => Elimination::Free { r: Matrix3::identity(), factor: Box::new(Factor::identity()) },
         }
     }
 
@@ -322,8 +320,10 @@ impl<T: Real> Elimination<T> {
                 *z + combine(u, &over_d.times(&Vector3::new(rhs[0], rhs[1], rhs[2])))
             }
             Elimination::Free { r, .. } => {
-                let whole =
-                    Spatial::new(r.times(&Vector3::new(rhs[0], rhs[1], rhs[2])), r.times(&Vector3::new(rhs[3], rhs[4], rhs[5])));
+                let whole = Spatial::new(
+                    r.times(&Vector3::new(rhs[0], rhs[1], rhs[2])),
+                    r.times(&Vector3::new(rhs[3], rhs[4], rhs[5])),
+                );
                 let (lin, ang) = (r.transpose_times(&z.lin), r.transpose_times(&z.ang));
                 for k in 0..3 {
                     rhs[k] -= lin[k];
@@ -356,7 +356,8 @@ impl<T: Real> Elimination<T> {
                 *carried + combine(s, &found)
             }
             Elimination::Free { r, factor } => {
-                let (lin, ang) = (r.times(&Vector3::new(rhs[0], rhs[1], rhs[2])), r.times(&Vector3::new(rhs[3], rhs[4], rhs[5])));
+                let (lin, ang) =
+                    (r.times(&Vector3::new(rhs[0], rhs[1], rhs[2])), r.times(&Vector3::new(rhs[3], rhs[4], rhs[5])));
                 let [a, b, c, d, e, f] = factor.solve([lin.x, lin.y, lin.z, ang.x, ang.y, ang.z]);
                 let total = Spatial::new(Vector3::new(a, b, c), Vector3::new(d, e, f));
                 r.transpose_times(&(total.lin - carried.lin)).write(rhs);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use maud::html;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::charts::cost as chart;
@@ -18,7 +19,7 @@ use crate::measure::scaling::Point;
 pub const SCHEMA: &str = "rattlebench/cost/1";
 
 /// Processor time a step of several engines on chains of several lengths.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cost {
     pub schema: String,
     pub machine: Machine,
@@ -33,7 +34,7 @@ pub struct Cost {
 }
 
 /// One engine on one chain; median, smallest and largest over the rounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CostPoint {
     pub engine: String,
     pub links: usize,
@@ -87,6 +88,15 @@ impl Cost {
     pub fn write(&self, folder: &Path) -> Result<PathBuf, WriteError> {
         prepare(folder)?;
         write_whole(&folder.join("cost.json"), (serde_json::to_string(self)? + "\n").as_bytes())?;
+        self.draw(folder)
+    }
+
+    /// Writes the chart and the page, and returns the page's path.
+    ///
+    /// # Errors
+    /// As for [`write`](Self::write).
+    pub fn draw(&self, folder: &Path) -> Result<PathBuf, WriteError> {
+        prepare(folder)?;
         let mut pictures = Vec::new();
         if let Some(png) = chart::draw(self)? {
             write_whole(&folder.join(chart::FILE), &png)?;

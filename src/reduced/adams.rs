@@ -80,8 +80,18 @@ impl Rates {
 pub(super) struct Adams {
     /// `mu_ij` of the stages of the first batch.
     first: Vec<Lanes>,
-    /// For each order the weights of the nodes before each batch of stages, for the stages of the batch.
-    choices: Vec<(usize, Vec<Vec<Lanes>>)>,
+    choices: Vec<Choice>,
+}
+
+/// Weights of one order for each batch of stages.
+#[derive(Clone, Debug)]
+struct Choice {
+    /// Number of nodes before a batch that count.
+    order: usize,
+    /// Of these nodes.
+    explicit: Vec<Vec<Lanes>>,
+    /// Of these nodes and those of the batch.
+    implicit: Vec<Vec<Lanes>>,
 }
 
 impl Adams {
@@ -90,18 +100,25 @@ impl Adams {
         let nodes: Vec<f64> = gauss.nodes.iter().map(|c| c - 1.0).chain(gauss.nodes.iter().copied()).collect();
         let mut choices = Vec::new();
         for order in [1, 2, 3, 5, 8] {
-            let of_batch = |first: usize| {
-                let count = order.min(s + first);
-                let times = &nodes[s + first - count..s + first];
+            // Of the nodes before a stage, for a batch.
+            let weights = |first: usize, before: usize, order: usize| -> Vec<Lanes> {
+                let count = order.min(s + before);
+                let times = &nodes[s + before - count..s + before];
                 let of = |k: usize| {
                     let at = |lane: usize| gauss.nodes[(first + lane).min(s - 1)];
                     Lanes::from_fn(|lane| {
-                        integral(gauss, times, k, at(lane)) / gauss.weights[(2 * s + first - count + k) % s]
+                        integral(gauss, times, k, at(lane)) / gauss.weights[(2 * s + before - count + k) % s]
                     })
                 };
                 (0..count).map(of).collect()
             };
-            choices.push((order, (0..s).step_by(LANES).map(of_batch).collect()));
+            let batches = || (0..s).step_by(LANES);
+            let end = |first: usize| (first + LANES).min(s);
+            choices.push(Choice {
+                order,
+                explicit: batches().map(|first| weights(first, first, order)).collect(),
+                implicit: batches().map(|first| weights(first, end(first), order + end(first) - first)).collect(),
+            });
         }
         let first = (0..s).map(|j| Lanes::from_fn(|k| gauss.mu[k * s + j])).collect();
         Adams { first, choices }
@@ -109,14 +126,18 @@ impl Adams {
 
     /// Weights in the integrals up to the stages of a batch, of the rates at the nodes before the batch.
     pub(super) fn weights(&self, batch: usize, order: usize) -> &[Lanes] {
-        let choice = self.choices.iter().find(|(found, _)| *found == order);
-        choice.map_or(&[], |(_, weights)| &weights[batch])
+        self.choices.iter().find(|choice| choice.order == order).map_or(&[], |choice| &choice.explicit[batch])
+    }
+
+    /// The same with the rates of the batch among them.
+    pub(super) fn implicit_weights(&self, batch: usize, order: usize) -> &[Lanes] {
+        self.choices.iter().find(|choice| choice.order == order).map_or(&[], |choice| &choice.implicit[batch])
     }
 
     /// The order that would have predicted the first batch of the step best whose rates are known.
     pub(super) fn best_order(&self, rates: &Rates) -> usize {
         let mut best = (1, f64::INFINITY);
-        for (order, weights) in &self.choices {
+        for Choice { order, explicit: weights, .. } in &self.choices {
             let before = rates.before(0, weights[0].len());
             let mut error = 0.0;
             for k in 0..rates.width {

@@ -290,6 +290,12 @@ impl Galerkin {
             self.q_rates.sum(self.q_rates.before(batch.first, weights.len()), weights, &self.q.value, &mut batch.q);
             self.p_rates.sum(self.p_rates.before(batch.first, weights.len()), weights, &self.p.value, &mut batch.p);
             batch.move_along(&self.model)?;
+            // The velocities at hand make better positions: the implicit method without its iteration.
+            batch.position_steps(&self.model, &mut self.q_rates);
+            let weights = self.adams.implicit_weights(batch.first / LANES, self.order);
+            let end = batch.first + batch.count;
+            self.q_rates.sum(self.q_rates.before(end, weights.len()), weights, &self.q.value, &mut batch.q);
+            batch.point.place(&self.model, &batch.q);
             batch.evaluate(&self.model);
             batch.position_steps(&self.model, &mut self.q_rates);
             batch.momentum_steps(&self.model, &mut self.p_rates);

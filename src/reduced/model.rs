@@ -195,13 +195,6 @@ impl Model {
         (q, v)
     }
 
-    /// How often the positions of a collocation step are gone over before they are used: the rates of quaternions and of
-    /// planar joints depend on the positions themselves.
-    pub(super) fn turns(&self) -> usize {
-        let straight = |link: &Link| matches!(link.kind, JointKind::Revolute | JointKind::Prismatic);
-        if self.links.iter().all(straight) { 0 } else { 2 }
-    }
-
     /// `qdot` of the positions at the given velocities; a quaternion turns by `qdot = 1/2 q (0, omega)`.
     pub(crate) fn rates<T: Real>(&self, q: &[T], v: &[T], out: &mut [T]) {
         for link in &self.links {

@@ -135,6 +135,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_saved_cost_is_read_back_and_drawn_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let timing =
+            crate::measure::clock::Timing { median: 2e-6, min: 1e-6, max: 3e-6, rounds: 5, steps: 10, passes: 1 };
+        let points = [1, 10].map(|links| Point { engine: "rattle".into(), links, timing });
+        let cost = Cost::new(&points, "chains".into(), 1e-3, 0.2, "rattlebench cost".into());
+        cost.write(folder.path()).expect("written");
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect("read");
+        let again: Cost = serde_json::from_slice(&read("cost.json")).expect("a cost");
+        assert_eq!(again, cost);
+        let (png, page) = (read("cost.png"), read("index.html"));
+        std::fs::remove_file(folder.path().join("cost.png")).expect("removed");
+        again.draw(folder.path()).expect("drawn");
+        assert_eq!((read("cost.png"), read("index.html")), (png, page));
+    }
+
+    #[test]
     fn time_that_grows_with_the_square_is_seen() {
         let point = |links: usize, us_per_step: f64| CostPoint {
             engine: "e".into(),

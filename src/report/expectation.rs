@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(
             found[0].sentence(),
             "Expected and not so, for 10⁻⁹ galerkin costs at most as much as dop853: dop853:tolerance=1e-9 needs 0.0001 s a \
-             simulated second for 10⁻⁹, galerkin:stages=6 at 100 ms 1.5 times that: its steps are all as long as the most \
+             simulated second for 10⁻⁹, galerkin:stages=6 at 0.1 s 1.5 times that: its steps are all as long as the most \
              violent moment allows, and it iterates the stages of each to roundoff, while dop853 fits its steps to the \
              motion and takes 12 evaluations for each."
         );

@@ -390,6 +390,9 @@ fn lists_and_schemas_can_be_read_by_machines() {
             assert!(lines.lines().any(|line| line.starts_with(name)), "{what}: {name}");
         }
     }
+    let (cost, _) = run(&["schema", "cost"], 0);
+    let cost: serde_json::Value = serde_json::from_str(&cost).expect("JSON");
+    assert!(cost["properties"]["points"].is_object());
     let (schema, _) = run(&["schema", "report"], 0);
     let schema: serde_json::Value = serde_json::from_str(&schema).expect("JSON");
     assert!(schema["properties"]["runs"].is_object() && schema["$defs"]["Energy"].is_object());

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::CliError;
+use crate::report::cost::{self, Cost};
 use crate::report::record::ReadError;
 use crate::report::stability::{self, StabilityReport};
 use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
 use crate::report::{Report, files};
 
-/// Draw the charts and the page of saved reports, and of saved topics of `theory`, again.
+/// Draw the charts and the page of saved reports, of saved costs and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// report.json and stability.json files, and JSON files that `theory` wrote.
+    /// report.json, stability.json and cost.json files, and JSON files that `theory` wrote.
     #[arg(required = true, value_name = "REPORT.json")]
     report: Vec<PathBuf>,
     /// Folder for the charts and the page; with several reports, for one folder each [default: where the report is].
@@ -26,6 +27,7 @@ pub struct Args {
 enum Saved {
     Report(Box<Report>),
     Stability(Box<StabilityReport>),
+    Cost(Box<Cost>),
     Theory(Box<TheoryFile>),
 }
 
@@ -41,6 +43,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         match file {
             Saved::Report(report) => pages.push(files::draw(&report, &folder(path, &report.scene.name))?),
             Saved::Stability(report) => pages.push(stability::draw(&report, &folder(path, "stability"))?),
+            Saved::Cost(cost) => pages.push(cost.draw(&folder(path, "cost"))?),
             Saved::Theory(topic) => topics.push((path, *topic)),
         }
     }
@@ -84,6 +87,10 @@ fn read(path: &Path) -> Result<Saved, CliError> {
         Some(stability::record::SCHEMA) => {
             let report = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
             return Ok(Saved::Stability(Box::new(report)));
+        }
+        Some(cost::SCHEMA) => {
+            let cost = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
+            return Ok(Saved::Cost(Box::new(cost)));
         }
         _ => {}
     }

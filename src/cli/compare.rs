@@ -177,6 +177,9 @@ fn print(report: &Report, page: &Path) -> std::io::Result<()> {
         if let Some(sentence) = summary::sentence(sweep) {
             writeln!(out, "{sentence}\n")?;
         }
+        for expectation in &sweep.expectations {
+            writeln!(out, "{}\n", expectation.sentence())?;
+        }
     }
     if report.parity.as_ref().is_some_and(|parity| !parity.agrees) {
         writeln!(out, "Not all engines have the same mechanical system: see Parity in the report.\n")?;

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use super::CliError;
 use crate::model::scene_file::SceneFile;
 use crate::report::Report;
+use crate::report::cost::Cost;
 use crate::report::stability::StabilityReport;
 use crate::report::theory::TheoryFile;
 
@@ -25,6 +26,8 @@ enum File {
     Report,
     /// A stability.json.
     Stability,
+    /// A cost.json.
+    Cost,
     /// A file that `theory` writes.
     Theory,
 }
@@ -34,6 +37,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         File::Scene => schemars::schema_for!(SceneFile),
         File::Report => schemars::schema_for!(Report),
         File::Stability => schemars::schema_for!(StabilityReport),
+        File::Cost => schemars::schema_for!(Cost),
         File::Theory => schemars::schema_for!(TheoryFile),
     };
     let text = serde_json::to_string_pretty(&schema)?;

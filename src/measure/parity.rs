@@ -56,10 +56,12 @@ pub struct Bounds {
 const DOUBLE: Bounds = Bounds { system: 1e-12, acceleration: Some(1e-6) };
 const SINGLE: Bounds = Bounds { system: 1e-5, acceleration: None };
 
-/// In double precision for engines whose constraints iterations solve: their second step holds a correction of the joints,
-/// up to 7e-2 of the accelerations on the shipped scenes, so that these are told and not judged. Masses and inertias are
+/// In double precision for engines whose constraints iterations solve. With the iterations taken to the end, their second
+/// step still holds a correction of the joints. Measured on the shipped scenes whose motion the steps resolve: 7e-2 of the
+/// largest acceleration on `joint_zoo`, 6e-3 on `torso`, 4e-3 on `arm_6`, 3e-7 and less on the other trees. The bound finds
+/// a joint, an axis, a force or a body that is missing or wrong; what is smaller shows in the masses and inertias that are
 /// read back from such engines.
-const ITERATED: Bounds = Bounds { system: 1e-12, acceleration: None };
+const ITERATED: Bounds = Bounds { system: 1e-12, acceleration: Some(0.2) };
 
 /// Steps for the accelerations, s: long enough that roundoff does not hide one percent of an inertia.
 const DOUBLE_STEP: f64 = 1e-4;
@@ -100,9 +102,9 @@ pub fn parity(given: &System, system: &System, engines: &[Spec]) -> Vec<Parity> 
         .filter_map(|spec| {
             let bounds = match engines::converged(spec) {
                 _ if is_single(spec, given) => SINGLE,
-                Some(_) => ITERATED,
+                Some(_) if resolved => ITERATED,
                 None if resolved => DOUBLE,
-                None => Bounds { acceleration: None, ..DOUBLE },
+                _ => Bounds { acceleration: None, ..DOUBLE },
             };
             let (truth, step) = against(bounds);
             of(spec, given, system, truth.as_deref(), bounds, step)

@@ -27,7 +27,7 @@ const SHORT_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
 /// For the settings of rapier that gain most by short steps, and those whose error stops falling.
 const SHORTEST_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000, 40_000, 100_000];
 /// For methods whose steps may be longer than the interval between two samples: every second or fifth is met then.
-const LONGEST_STEPS: &[u64] = &[4, 10, 20, 40, 100, 200, 400, 1000];
+const LONGEST_STEPS: &[u64] = &[4, 10, 20, 40, 60, 100, 200, 400, 1000];
 /// Engines whose error a tolerance controls: the state is read seldom, so that reading does not shorten their steps, and at
 /// every sample.
 const READ: &[u64] = &[4, SAMPLES];

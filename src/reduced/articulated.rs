@@ -10,9 +10,8 @@
 //! and is carried along with its parent's acceleration plus `gamma`, what the motion at constant joint velocities gives.
 //! One sweep places the links, one eliminates the joints from the leaves to the root, one finds the accelerations.
 
-use nalgebra::{Matrix3, Vector3};
-
 use super::Model;
+use super::linear::{Matrix3, Vector3};
 use super::model::Link;
 use super::place::{Place, relative_twist};
 use super::spatial::{Elimination, Inertia, Spatial};
@@ -21,14 +20,14 @@ use super::springs::Seen;
 /// A link in the course of the recursion.
 #[derive(Clone, Debug)]
 struct Node {
-    place: Place,
-    twist: Spatial,
+    place: Place<f64>,
+    twist: Spatial<f64>,
     /// Acceleration at constant joint velocities, less what the parent's acceleration gives; then the acceleration.
-    motion: Spatial,
+    motion: Spatial<f64>,
     /// `beta`, summed towards the root.
-    needed: Spatial,
-    inertia: Inertia,
-    elimination: Elimination,
+    needed: Spatial<f64>,
+    inertia: Inertia<f64>,
+    elimination: Elimination<f64>,
 }
 
 /// The equations of motion of a model, with room for their evaluation.
@@ -43,11 +42,11 @@ pub struct Articulated {
 impl Articulated {
     pub fn new(model: Model) -> Articulated {
         let node = |link: &Link| Node {
-            place: Place::GROUND,
-            twist: Spatial::ZERO,
-            motion: Spatial::ZERO,
-            needed: Spatial::ZERO,
-            inertia: Inertia::ZERO,
+            place: Place::ground(),
+            twist: Spatial::zero(),
+            motion: Spatial::zero(),
+            needed: Spatial::zero(),
+            inertia: Inertia::zero(),
             elimination: Elimination::new(link.kind),
         };
         let origins = vec![Vector3::zeros(); if model.springs.is_empty() { 0 } else { model.links.len() }];
@@ -82,7 +81,7 @@ impl Articulated {
             }
         }
         for (i, link) in self.model.links.iter().enumerate() {
-            let above = link.parent.map_or(Spatial::ZERO, |p| self.nodes[p].motion);
+            let above = link.parent.map_or(Spatial::zero(), |p| self.nodes[p].motion);
             let node = &mut self.nodes[i];
             let carried = above.twist_at(&node.place.offset);
             // `rhs` already holds what `gamma` needs: only the parent's part remains to be taken off.
@@ -113,22 +112,23 @@ impl Articulated {
         let link = &self.model.links[i];
         let (r, above) = match link.parent {
             Some(p) => (self.nodes[p].place.r, self.nodes[p].twist),
-            None => (Matrix3::identity(), Spatial::ZERO),
+            None => (Matrix3::identity(), Spatial::zero()),
         };
         let place = Place::new(link, &r, &q[link.position..]);
         let joint = relative_twist(link.kind, &place.r, &v[link.velocity..]);
         let swept = above.ang.cross(&place.offset);
         let omega = above.ang + joint.ang;
-        let moment = place.r * link.first_moment;
-        let inertia = Inertia::of_body(link.mass, &moment, &link.inertia, &place.r);
+        let moment = place.r.times(&Vector3::of(&link.first_moment));
+        let inertia = Inertia::of_body(link.mass, &moment, &Matrix3::of(&link.inertia), &place.r);
         let turning = inertia.times(&Spatial::new(Vector3::zeros(), omega)).ang;
+        let gravity = Vector3::of(&self.model.gravity);
         let node = &mut self.nodes[i];
         node.twist = Spatial::new(above.lin + swept + joint.lin, omega);
         node.motion =
             Spatial::new(above.ang.cross(&(swept + joint.lin)) + omega.cross(&joint.lin), above.ang.cross(&joint.ang));
         node.needed = Spatial::new(
-            omega.cross(&omega.cross(&moment)) - self.model.gravity * link.mass,
-            omega.cross(&turning) - moment.cross(&self.model.gravity),
+            omega.cross(&omega.cross(&moment)) - gravity * link.mass,
+            omega.cross(&turning) - moment.cross(&gravity),
         );
         (node.place, node.inertia) = (place, inertia);
     }

@@ -19,31 +19,32 @@
 //! tau  = L x omega_parent + P x v + N - c u   in link axes .
 //! ```
 
-use nalgebra::{Matrix3, Quaternion, Vector3};
-
 use super::Model;
-use super::place::{Place, relative_twist};
+use super::linear::{Matrix3, Vector3};
+use super::model::{Link, product};
+use super::place::{Place, matrix, relative_twist};
+use super::real::{Lanes, Real};
 use super::spatial::{Elimination, Inertia, Spatial};
 use super::springs::Seen;
 use crate::mechanics::JointKind;
 
-/// The equations at one point of the phase space.
+/// The equations at points of the phase space, as many as there are lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
-    places: Vec<Place>,
-    twists: Vec<Spatial>,
+    places: Vec<Place<Lanes>>,
+    twists: Vec<Spatial<Lanes>>,
     /// Momentum of the links beyond each joint about its joint point.
-    momenta: Vec<Spatial>,
+    momenta: Vec<Spatial<Lanes>>,
     /// First moment of these links about it.
-    moments: Vec<Vector3<f64>>,
+    moments: Vec<Vector3<Lanes>>,
     /// Joint points, m, world, and what springs between points exert on the links beyond about them; empty without any.
-    origins: Vec<Vector3<f64>>,
-    loads: Vec<Spatial>,
+    origins: Vec<Vector3<Lanes>>,
+    loads: Vec<Spatial<Lanes>>,
     /// The mass matrix, factorised where `factorise` was called last.
-    inertias: Vec<Inertia>,
-    eliminations: Vec<Elimination>,
-    offsets: Vec<Vector3<f64>>,
-    sums: Vec<Spatial>,
+    inertias: Vec<Inertia<Lanes>>,
+    eliminations: Vec<Elimination<Lanes>>,
+    offsets: Vec<Vector3<Lanes>>,
+    sums: Vec<Spatial<Lanes>>,
 }
 
 impl Point {
@@ -51,56 +52,67 @@ impl Point {
         let n = model.links.len();
         let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
-            places: vec![Place::GROUND; n],
-            twists: vec![Spatial::ZERO; n],
-            momenta: vec![Spatial::ZERO; n],
+            places: vec![Place::ground(); n],
+            twists: vec![Spatial::zero(); n],
+            momenta: vec![Spatial::zero(); n],
             moments: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); sprung],
-            loads: vec![Spatial::ZERO; sprung],
-            inertias: vec![Inertia::ZERO; n],
+            loads: vec![Spatial::zero(); sprung],
+            inertias: vec![Inertia::zero(); n],
             eliminations: model.links.iter().map(|link| Elimination::new(link.kind)).collect(),
             offsets: vec![Vector3::zeros(); n],
-            sums: vec![Spatial::ZERO; n],
+            sums: vec![Spatial::zero(); n],
         }
     }
 
-    /// Momentum `m = H(q) u` and force of every joint at a time in s, both along its velocities: what `pdot` has beside the turning of a
-    /// quaternion. Lengths of planar and free joints have their force in the axes of the joint frame in the parent.
+    /// Axes and offsets of the links.
+    pub(super) fn place(&mut self, model: &Model, q: &[Lanes]) {
+        for (i, link) in model.links.iter().enumerate() {
+            let (above, rest) = self.places.split_at_mut(i);
+            let ground = Matrix3::identity();
+            rest[0] = Place::new(link, link.parent.map_or(&ground, |p| &above[p].r), &q[link.position..]);
+        }
+    }
+
+    /// Momentum `m = H(q) u` and force of every joint at times in s, both along its velocities: what `pdot` has beside the turning of a
+    /// quaternion. Lengths of planar and free joints have their force in the axes of the joint frame in the parent. The links
+    /// have been placed at `q`.
     pub(super) fn evaluate(
         &mut self,
         model: &Model,
-        time: f64,
-        q: &[f64],
-        u: &[f64],
-        m: &mut [f64],
-        force: &mut [f64],
+        time: Lanes,
+        q: &[Lanes],
+        u: &[Lanes],
+        m: &mut [Lanes],
+        force: &mut [Lanes],
     ) {
+        let gravity = Vector3::of(&model.gravity);
         for (i, link) in model.links.iter().enumerate() {
-            let (r, above) = match link.parent {
-                Some(p) => (self.places[p].r, self.twists[p]),
-                None => (Matrix3::identity(), Spatial::ZERO),
-            };
-            let place = Place::new(link, &r, &q[link.position..]);
-            let twist = above.twist_at(&place.offset) + relative_twist(link.kind, &place.r, &u[link.velocity..]);
-            let moment = place.r * link.first_moment;
-            let turning = place.r * (link.inertia * place.r.tr_mul(&twist.ang));
-            self.momenta[i] =
-                Spatial::new(twist.lin * link.mass + twist.ang.cross(&moment), turning + moment.cross(&twist.lin));
-            (self.places[i], self.twists[i], self.moments[i]) = (place, twist, moment);
+            let above = link.parent.map_or(Spatial::zero(), |p| self.twists[p]);
+            let Place { r, offset } = &self.places[i];
+            let twist = above.twist_at(offset) + relative_twist(link.kind, r, &u[link.velocity..]);
+            let moment = r.times(&Vector3::of(&link.first_moment));
+            let turning = r.times(&Matrix3::of(&link.inertia).times(&r.transpose_times(&twist.ang)));
+            self.momenta[i] = Spatial::new(
+                twist.lin * Lanes::of(link.mass) + twist.ang.cross(&moment),
+                turning + moment.cross(&twist.lin),
+            );
+            (self.twists[i], self.moments[i]) = (twist, moment);
         }
         if !model.springs.is_empty() {
             self.pull(model);
         }
         for (i, link) in model.links.iter().enumerate().rev() {
-            let d = &self.places[i].offset;
+            let (damping, mass_beyond) = (Lanes::of(link.damping), Lanes::of(link.mass_beyond));
+            let Place { r, offset: d } = &self.places[i];
             let Spatial { lin: p, ang: l } = self.momenta[i];
-            let (r, twist, moment) = (&self.places[i].r, &self.twists[i], self.moments[i]);
+            let (twist, moment) = (&self.twists[i], self.moments[i]);
             let above = link.parent.map_or(Vector3::zeros(), |p| self.twists[p].ang);
-            let load = self.loads.get(i).copied().unwrap_or(Spatial::ZERO);
-            let pulled = || p.cross(&above) + model.gravity * link.mass_beyond + load.lin;
+            let load = self.loads.get(i).copied().unwrap_or(Spatial::zero());
+            let pulled = || p.cross(&above) + gravity * mass_beyond + load.lin;
             let swung =
-                |omega: &Vector3<f64>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&model.gravity) + load.ang;
-            let held = |u: f64| link.held(time, q[link.position]) - link.damping * u;
+                |omega: &Vector3<Lanes>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&gravity) + load.ang;
+            let held = |u: Lanes| held(link, time, q[link.position]) - damping * u;
             let u = &u[link.velocity..];
             let (m, force) = (&mut m[link.velocity..], &mut force[link.velocity..]);
             match link.kind {
@@ -113,30 +125,31 @@ impl Point {
                     force[0] = r.column(2).dot(&pulled()) + held(u[0]);
                 }
                 JointKind::Planar => {
-                    let (along, pull) = (r.tr_mul(&p), r.tr_mul(&pulled()));
-                    (m[0], m[1], m[2]) = (along.x, along.y, r.column(2).dot(&l));
+                    let (whole, pull) = (r.transpose_times(&p), r.transpose_times(&pulled()));
+                    (m[0], m[1], m[2]) = (whole.x, whole.y, r.column(2).dot(&l));
                     let (s, c) = q[link.position + 2].sin_cos();
-                    let (x, y) = (pull.x - link.damping * u[0], pull.y - link.damping * u[1]);
+                    let (x, y) = (pull.x - damping * u[0], pull.y - damping * u[1]);
                     (force[0], force[1]) = (c * x - s * y, s * x + c * y);
-                    force[2] = r.column(2).dot(&swung(&above)) - link.damping * u[2];
+                    force[2] = r.column(2).dot(&swung(&above)) - damping * u[2];
                 }
                 JointKind::Spherical => {
-                    m[..3].copy_from_slice(r.tr_mul(&l).as_slice());
-                    let tau = r.tr_mul(&swung(&above));
-                    (0..3).for_each(|k| force[k] = tau[k] - link.damping * u[k]);
+                    r.transpose_times(&l).write(m);
+                    let tau = r.transpose_times(&swung(&above));
+                    (0..3).for_each(|k| force[k] = tau[k] - damping * u[k]);
                 }
                 JointKind::Floating => {
-                    m[..3].copy_from_slice(r.tr_mul(&p).as_slice());
-                    m[3..6].copy_from_slice(r.tr_mul(&l).as_slice());
-                    let axes = link.parent.map_or(link.parent_axes, |p| self.places[p].r * link.parent_axes);
-                    force[..3].copy_from_slice(axes.tr_mul(&pulled()).as_slice());
-                    force[3..6].copy_from_slice(r.tr_mul(&swung(&above)).as_slice());
+                    r.transpose_times(&p).write(m);
+                    r.transpose_times(&l).write(&mut m[3..]);
+                    let fixed = Matrix3::of(&link.parent_axes);
+                    let axes = link.parent.map_or(fixed, |p| self.places[p].r.product(&fixed));
+                    axes.transpose_times(&pulled()).write(force);
+                    r.transpose_times(&swung(&above)).write(&mut force[3..]);
                 }
             }
             if let Some(parent) = link.parent {
                 let carried = self.momenta[i].wrench_from(d);
                 self.momenta[parent] += carried;
-                let carried = moment + d * link.mass_beyond;
+                let carried = moment + *d * mass_beyond;
                 self.moments[parent] += carried;
                 if let Some(above) = self.loads.get_mut(parent) {
                     *above += load.wrench_from(d);
@@ -151,7 +164,7 @@ impl Point {
             let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
             self.origins[i] = above + self.places[i].offset;
         }
-        self.loads.fill(Spatial::ZERO);
+        self.loads.fill(Spatial::zero());
         for spring in &model.springs {
             let seen = |i: usize| Seen { r: self.places[i].r, origin: self.origins[i], twist: self.twists[i] };
             for (link, wrench) in spring.wrenches(seen) {
@@ -162,12 +175,13 @@ impl Point {
         }
     }
 
-    /// Factorises the mass matrix at the positions that were evaluated last. `None` where a joint can move without moving
+    /// Factorises the mass matrix at the positions that the links were placed at last. `None` where a joint can move without moving
     /// any mass.
     pub(super) fn factorise(&mut self, model: &Model) -> Option<()> {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.places[i].r;
-            self.inertias[i] = Inertia::of_body(link.mass, &(r * link.first_moment), &link.inertia, r);
+            self.inertias[i] =
+                Inertia::of_body(link.mass, &r.times(&Vector3::of(&link.first_moment)), &Matrix3::of(&link.inertia), r);
             self.offsets[i] = self.places[i].offset;
         }
         for (i, link) in model.links.iter().enumerate().rev() {
@@ -181,8 +195,8 @@ impl Point {
     }
 
     /// Solves `H u = m` in place, with `H` as factorised last.
-    pub(super) fn solve(&mut self, model: &Model, u: &mut [f64]) {
-        self.sums.fill(Spatial::ZERO);
+    pub(super) fn solve(&mut self, model: &Model, u: &mut [Lanes]) {
+        self.sums.fill(Spatial::zero());
         for (i, link) in model.links.iter().enumerate().rev() {
             let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
             if let Some(parent) = link.parent {
@@ -190,14 +204,21 @@ impl Point {
             }
         }
         for (i, link) in model.links.iter().enumerate() {
-            let above = link.parent.map_or(Spatial::ZERO, |p| self.sums[p]);
+            let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
             self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
         }
     }
 }
 
+/// What springs and drives exert in a joint of one coordinate.
+#[inline(always)]
+fn held(link: &Link, time: Lanes, q: Lanes) -> Lanes {
+    let still = Lanes::of(link.spring_effort) - Lanes::of(link.stiffness) * q;
+    if link.drives.is_empty() { still } else { still + time.map(|time| link.driven(time)) }
+}
+
 /// Momenta along the velocities from the canonical ones.
-pub(super) fn along_velocities(model: &Model, q: &[f64], p: &[f64], m: &mut [f64]) {
+pub(super) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut [T]) {
     for link in &model.links {
         let (q, p, m) = (&q[link.position..], &p[link.position..], &mut m[link.velocity..]);
         match link.kind {
@@ -208,9 +229,8 @@ pub(super) fn along_velocities(model: &Model, q: &[f64], p: &[f64], m: &mut [f64
             }
             JointKind::Spherical => half_turn(&q[..4], &p[..4], &mut m[..3]),
             JointKind::Floating => {
-                let attitude = quaternion(&q[3..7]);
-                let moved = attitude.conjugate() * pure(&p[..3]) * attitude / attitude.norm_squared();
-                m[..3].copy_from_slice(&[moved.i, moved.j, moved.k]);
+                let moved = matrix(&q[3..7]).transpose_times(&Vector3::new(p[0], p[1], p[2]));
+                moved.write(m);
                 half_turn(&q[3..7], &p[3..7], &mut m[3..6]);
             }
         }
@@ -218,11 +238,7 @@ pub(super) fn along_velocities(model: &Model, q: &[f64], p: &[f64], m: &mut [f64
 }
 
 /// Canonical momenta that give the momenta `m` along the velocities, with `q . p = 0`: `p = 2 q m / |q|^2`.
-pub(super) fn canonical(model: &Model, q: &[f64], m: &[f64], p: &mut [f64]) {
-    let lift = |q: &[f64], m: &[f64], p: &mut [f64]| {
-        let q = quaternion(q);
-        p.copy_from_slice((q * pure(m) * (2.0 / q.norm_squared())).coords.as_slice());
-    };
+pub(super) fn canonical<T: Real>(model: &Model, q: &[T], m: &[T], p: &mut [T]) {
     for link in &model.links {
         let (q, m, p) = (&q[link.position..], &m[link.velocity..], &mut p[link.position..]);
         match link.kind {
@@ -233,9 +249,8 @@ pub(super) fn canonical(model: &Model, q: &[f64], m: &[f64], p: &mut [f64]) {
             }
             JointKind::Spherical => lift(&q[..4], &m[..3], &mut p[..4]),
             JointKind::Floating => {
-                let attitude = quaternion(&q[3..7]);
-                let moved = attitude * pure(&m[..3]) * attitude.conjugate() / attitude.norm_squared();
-                p[..3].copy_from_slice(&[moved.i, moved.j, moved.k]);
+                let moved = matrix(&q[3..7]).times(&Vector3::new(m[0], m[1], m[2]));
+                moved.write(p);
                 lift(&q[3..7], &m[3..6], &mut p[3..7]);
             }
         }
@@ -243,11 +258,11 @@ pub(super) fn canonical(model: &Model, q: &[f64], m: &[f64], p: &mut [f64]) {
 }
 
 /// `pdot` from the forces of [`Point::evaluate`].
-pub(super) fn momentum_rates(model: &Model, q: &[f64], p: &[f64], u: &[f64], force: &[f64], rate: &mut [f64]) {
-    let turn = |q: &[f64], p: &[f64], u: &[f64], tau: &[f64], rate: &mut [f64]| {
-        let q = quaternion(q);
-        let found = quaternion(p) * pure(u) * 0.5 + q * pure(tau) * (2.0 / q.norm_squared());
-        rate.copy_from_slice(found.coords.as_slice());
+pub(super) fn momentum_rates<T: Real>(model: &Model, q: &[T], p: &[T], u: &[T], force: &[T], rate: &mut [T]) {
+    let turn = |q: &[T], p: &[T], u: &[T], tau: &[T], rate: &mut [T]| {
+        lift(q, tau, rate);
+        let turned = product(&four(p), &pure(u));
+        rate.iter_mut().zip(turned).for_each(|(rate, turned)| *rate += T::of(0.5) * turned);
     };
     for link in &model.links {
         let (q, p, rate) = (&q[link.position..], &p[link.position..], &mut rate[link.position..]);
@@ -264,16 +279,23 @@ pub(super) fn momentum_rates(model: &Model, q: &[f64], p: &[f64], u: &[f64], for
     }
 }
 
+/// `2 q m / |q|^2`
+fn lift<T: Real>(q: &[T], m: &[T], out: &mut [T]) {
+    let q = four(q);
+    let factor = T::of(2.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    out.iter_mut().zip(product(&q, &pure(m))).for_each(|(out, found)| *out = factor * found);
+}
+
 /// `1/2 vec(q^* p)`.
-fn half_turn(q: &[f64], p: &[f64], m: &mut [f64]) {
-    let turned = quaternion(q).conjugate() * quaternion(p) * 0.5;
-    m.copy_from_slice(&[turned.i, turned.j, turned.k]);
+fn half_turn<T: Real>(q: &[T], p: &[T], m: &mut [T]) {
+    let turned = product(&[-q[0], -q[1], -q[2], q[3]], &four(p));
+    m.iter_mut().zip(turned).for_each(|(m, turned)| *m = T::of(0.5) * turned);
 }
 
-fn quaternion(q: &[f64]) -> Quaternion<f64> {
-    Quaternion::new(q[3], q[0], q[1], q[2])
+fn four<T: Real>(q: &[T]) -> [T; 4] {
+    [q[0], q[1], q[2], q[3]]
 }
 
-fn pure(v: &[f64]) -> Quaternion<f64> {
-    Quaternion::new(0.0, v[0], v[1], v[2])
+fn pure<T: Real>(v: &[T]) -> [T; 4] {
+    [v[0], v[1], v[2], T::zero()]
 }

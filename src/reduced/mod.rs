@@ -9,14 +9,18 @@
 //!   methods that a careful user would take instead of a constrained integrator.
 //! - [`galerkin`]: the Galerkin variational integrator on Hamilton's equations, O(n).
 
+mod adams;
 pub mod articulated;
 mod compensated;
+mod factor;
 pub mod galerkin;
 mod gauss;
 mod hamiltonian;
+mod linear;
 mod loops;
 mod model;
 mod place;
+mod real;
 pub mod recursive;
 mod spatial;
 mod springs;

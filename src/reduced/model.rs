@@ -2,7 +2,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::linear;
 use super::loops::Closure;
+use super::place::matrix;
+use super::real::Real;
 use super::springs::Spring;
 use crate::mechanics::coordinates::JointCoordinates;
 use crate::mechanics::{BodyState, Coupling, Drive, JointKind, State, System};
@@ -76,8 +79,13 @@ impl Link {
     /// What springs and drives exert in a joint of one coordinate `q` at a time in s.
     #[inline(always)]
     pub(super) fn held(&self, time: f64, q: f64) -> f64 {
-        let driven: f64 = self.drives.iter().map(|drive| drive.at(time)).sum();
-        self.spring_effort - self.stiffness * q + driven
+        self.spring_effort - self.stiffness * q + self.driven(time)
+    }
+
+    /// What drives exert in a joint of one coordinate at a time in s.
+    #[inline(always)]
+    pub(super) fn driven(&self, time: f64) -> f64 {
+        self.drives.iter().map(|drive| drive.at(time)).sum()
     }
 }
 
@@ -187,15 +195,8 @@ impl Model {
         (q, v)
     }
 
-    /// How often the positions of a collocation step are gone over before they are used: the rates of quaternions and of
-    /// planar joints depend on the positions themselves.
-    pub(super) fn turns(&self) -> usize {
-        let straight = |link: &Link| matches!(link.kind, JointKind::Revolute | JointKind::Prismatic);
-        if self.links.iter().all(straight) { 0 } else { 2 }
-    }
-
     /// `qdot` of the positions at the given velocities; a quaternion turns by `qdot = 1/2 q (0, omega)`.
-    pub fn rates(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
+    pub(crate) fn rates<T: Real>(&self, q: &[T], v: &[T], out: &mut [T]) {
         for link in &self.links {
             let (q, v, out) = (&q[link.position..], &v[link.velocity..], &mut out[link.position..]);
             match link.kind {
@@ -206,11 +207,10 @@ impl Model {
                     out[1] = s * v[0] + c * v[1];
                     out[2] = v[2];
                 }
-                JointKind::Spherical => out[..4].copy_from_slice(&turning(&q[..4], &v[..3])),
+                JointKind::Spherical => turning(&q[..4], &v[..3], &mut out[..4]),
                 JointKind::Floating => {
-                    let rate = rotation(&q[3..7]) * Vector3::new(v[0], v[1], v[2]);
-                    out[..3].copy_from_slice(rate.as_slice());
-                    out[3..7].copy_from_slice(&turning(&q[3..7], &v[3..6]));
+                    matrix(&q[3..7]).times(&linear::Vector3::new(v[0], v[1], v[2])).write(out);
+                    turning(&q[3..7], &v[3..6], &mut out[3..7]);
                 }
             }
         }
@@ -310,7 +310,18 @@ fn rotation(q: &[f64]) -> UnitQuaternion<f64> {
 }
 
 /// `1/2 q (0, omega)` as `(x, y, z, w)`.
-fn turning(q: &[f64], omega: &[f64]) -> [f64; 4] {
-    let rate = Quaternion::new(q[3], q[0], q[1], q[2]) * Quaternion::new(0.0, omega[0], omega[1], omega[2]) * 0.5;
-    [rate.i, rate.j, rate.k, rate.w]
+fn turning<T: Real>(q: &[T], omega: &[T], out: &mut [T]) {
+    let rate = product(&[q[0], q[1], q[2], q[3]], &[omega[0], omega[1], omega[2], T::zero()]);
+    out.iter_mut().zip(rate).for_each(|(out, rate)| *out = T::of(0.5) * rate);
+}
+
+/// The product of two quaternions `(x, y, z, w)`.
+#[inline(always)]
+pub(super) fn product<T: Real>(a: &[T; 4], b: &[T; 4]) -> [T; 4] {
+    [
+        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
+        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
+        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+    ]
 }

@@ -12,6 +12,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::Model;
+use super::linear;
 use super::loops::Loops;
 use super::springs::End;
 
@@ -212,7 +213,8 @@ impl Dynamics {
                 None => (end.point, Vector3::zeros()),
             };
             let ((from, from_rate), (to, to_rate)) = (place(&spring.from), place(&spring.to));
-            let force = spring.pull(&(to - from), &(to_rate - from_rate));
+            let pull = spring.pull(&linear::Vector3::of(&(to - from)), &linear::Vector3::of(&(to_rate - from_rate)));
+            let force = Vector3::new(pull.x, pull.y, pull.z);
             for (end, force) in [(&spring.from, force), (&spring.to, -force)] {
                 if let Some(i) = end.link {
                     let force = self.world[i].0.tr_mul(&force);

@@ -3,9 +3,11 @@
 //! With the distance `d` of the points, the force `k (d - rest_length) + c d(d)/dt` pulls each towards the other. Where the
 //! points coincide the line between them has no direction, and there is no force.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3 as Constant;
 
+use super::linear::{Matrix3, Vector3};
 use super::model::Link;
+use super::real::Real;
 use super::spatial::Spatial;
 use crate::mechanics::{Anchor, PointSpring};
 
@@ -14,7 +16,7 @@ use crate::mechanics::{Anchor, PointSpring};
 pub struct End {
     pub link: Option<usize>,
     /// In the link frame (in the world for the ground), m.
-    pub point: Vector3<f64>,
+    pub point: Constant<f64>,
 }
 
 /// A spring between two points of different links.
@@ -32,18 +34,16 @@ pub struct Spring {
 
 /// A link in world axes: its axes, its joint point and its twist there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
-    pub r: Matrix3<f64>,
-    pub origin: Vector3<f64>,
-    pub twist: Spatial,
+pub(super) struct Seen<T: Real> {
+    pub r: Matrix3<T>,
+    pub origin: Vector3<T>,
+    pub twist: Spatial<T>,
 }
 
-impl Seen {
-    const GROUND: Seen = Seen {
-        r: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-        origin: Vector3::new(0.0, 0.0, 0.0),
-        twist: Spatial::ZERO,
-    };
+impl<T: Real> Seen<T> {
+    fn ground() -> Seen<T> {
+        Seen { r: Matrix3::identity(), origin: Vector3::zeros(), twist: Spatial::zero() }
+    }
 }
 
 impl Spring {
@@ -64,16 +64,19 @@ impl Spring {
     }
 
     /// Force on the first point, N, with the line from there to the second, m, and its rate of change, m/s.
-    pub(super) fn pull(&self, line: &Vector3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
-        let Some(direction) = line.try_normalize(0.0) else { return Vector3::zeros() };
-        direction * (self.stiffness * (line.norm() - self.rest_length) + self.damping * direction.dot(rate))
+    pub(super) fn pull<T: Real>(&self, line: &Vector3<T>, rate: &Vector3<T>) -> Vector3<T> {
+        let squared = line.dot(line);
+        let over_length = squared.map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+        let direction = *line * over_length;
+        let stretch = squared * over_length - T::of(self.rest_length);
+        direction * (T::of(self.stiffness) * stretch + T::of(self.damping) * direction.dot(rate))
     }
 
     /// The wrenches on the links at its ends, about their joint points.
-    pub(super) fn wrenches(&self, seen: impl Fn(usize) -> Seen) -> [(Option<usize>, Spatial); 2] {
+    pub(super) fn wrenches<T: Real>(&self, seen: impl Fn(usize) -> Seen<T>) -> [(Option<usize>, Spatial<T>); 2] {
         let place = |end: &End| {
-            let link = end.link.map_or(Seen::GROUND, &seen);
-            let arm = link.r * end.point;
+            let link = end.link.map_or(Seen::ground(), &seen);
+            let arm = link.r.times(&Vector3::of(&end.point));
             (arm, link.origin + arm, link.twist.twist_at(&arm).lin)
         };
         let ((arm, from, from_rate), (to_arm, to, to_rate)) = (place(&self.from), place(&self.to));

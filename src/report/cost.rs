@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use maud::html;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::charts::cost as chart;
@@ -18,7 +19,7 @@ use crate::measure::scaling::Point;
 pub const SCHEMA: &str = "rattlebench/cost/1";
 
 /// Processor time a step of several engines on chains of several lengths.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cost {
     pub schema: String,
     pub machine: Machine,
@@ -33,7 +34,7 @@ pub struct Cost {
 }
 
 /// One engine on one chain; median, smallest and largest over the rounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CostPoint {
     pub engine: String,
     pub links: usize,
@@ -87,6 +88,15 @@ impl Cost {
     pub fn write(&self, folder: &Path) -> Result<PathBuf, WriteError> {
         prepare(folder)?;
         write_whole(&folder.join("cost.json"), (serde_json::to_string(self)? + "\n").as_bytes())?;
+        self.draw(folder)
+    }
+
+    /// Writes the chart and the page, and returns the page's path.
+    ///
+    /// # Errors
+    /// As for [`write`](Self::write).
+    pub fn draw(&self, folder: &Path) -> Result<PathBuf, WriteError> {
+        prepare(folder)?;
         let mut pictures = Vec::new();
         if let Some(png) = chart::draw(self)? {
             write_whole(&folder.join(chart::FILE), &png)?;
@@ -123,6 +133,23 @@ fn growth(points: &[CostPoint]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_saved_cost_is_read_back_and_drawn_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let timing =
+            crate::measure::clock::Timing { median: 2e-6, min: 1e-6, max: 3e-6, rounds: 5, steps: 10, passes: 1 };
+        let points = [1, 10].map(|links| Point { engine: "rattle".into(), links, timing });
+        let cost = Cost::new(&points, "chains".into(), 1e-3, 0.2, "rattlebench cost".into());
+        cost.write(folder.path()).expect("written");
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect("read");
+        let again: Cost = serde_json::from_slice(&read("cost.json")).expect("a cost");
+        assert_eq!(again, cost);
+        let (png, page) = (read("cost.png"), read("index.html"));
+        std::fs::remove_file(folder.path().join("cost.png")).expect("removed");
+        again.draw(folder.path()).expect("drawn");
+        assert_eq!((read("cost.png"), read("index.html")), (png, page));
+    }
 
     #[test]
     fn time_that_grows_with_the_square_is_seen() {

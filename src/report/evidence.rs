@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::expectation::{Expectation, expectations};
 use super::front;
 use super::record::Run;
 use crate::measure::accuracy::Accuracy as MeasuredAccuracy;
@@ -102,6 +103,9 @@ pub struct Sweep {
     /// The cheapest setting of each engine for some accuracies; absent where the runs were not timed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
+    /// What is expected of the engines' order, as far as the runs can tell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub expectations: Vec<Expectation>,
 }
 
 /// How the joint position error of an engine falls with its step size.
@@ -208,7 +212,8 @@ impl Sweep {
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
         let convergence = convergence(&runs, 10.0 * sweep.error_estimate);
         let targets = targets(&runs, sweep.error_estimate);
-        Sweep { until_s: sweep.until, reference_error: sweep.error_estimate, runs, convergence, targets }
+        let expectations = expectations(&runs, sweep.error_estimate);
+        Sweep { until_s: sweep.until, reference_error: sweep.error_estimate, runs, convergence, targets, expectations }
     }
 }
 

@@ -47,12 +47,12 @@ pub fn front<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::report::evidence::Accuracy;
     use crate::report::record::Time;
 
-    fn run(engine: &str, cost: f64, error: f64) -> Run {
+    pub(in crate::report) fn run(engine: &str, cost: f64, error: f64) -> Run {
         let time = Time {
             us_per_step: cost,
             us_per_step_min: cost,

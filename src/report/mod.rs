@@ -7,6 +7,7 @@ pub mod charts;
 pub mod cost;
 pub mod environment;
 pub mod evidence;
+pub mod expectation;
 pub mod files;
 pub mod finding;
 pub mod front;

@@ -175,6 +175,9 @@ fn costs(sweep: &evidence::Sweep) -> Markup {
                  or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, and that setting. \
                  The reference is known to " (written(sweep.reference_error)) "."
             }
+            @if !sweep.expectations.is_empty() {
+                ul { @for expectation in &sweep.expectations { li { (expectation.sentence()) } } }
+            }
         }
     }
 }

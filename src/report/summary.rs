@@ -128,6 +128,7 @@ mod tests {
             reference_error: 1e-12,
             runs: Vec::new(),
             convergence: Vec::new(),
+            expectations: Vec::new(),
             targets: vec![
                 target(
                     1e-6,

@@ -18,6 +18,11 @@ pub enum Axis {
         from: i32,
         to: i32,
     },
+    /// `10^from` to `10^to`, which need not be whole decades.
+    Part {
+        from: f64,
+        to: f64,
+    },
 }
 
 /// Values keep this far from the ends of a logarithmic axis, as a fraction of its length: half a marker.
@@ -27,18 +32,19 @@ impl Axis {
     /// The whole decades, at least one, that hold all values; what is not positive does not count. Nothing below `floor` or
     /// above `ceiling` (exponents) is shown. `None` where no value counts.
     pub fn decades(values: impl Iterator<Item = f64>, floor: i32, ceiling: i32) -> Option<Axis> {
-        let (low, high) = values
-            .filter(|x| *x > 0.0 && x.is_finite())
-            .fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
-        if low > high {
-            return None;
-        }
         // A marker on the very edge would be cut.
-        let (low, high) = (low.log10(), high.log10());
+        let (low, high) = extent(values)?;
         let edge = EDGE * (high - low).max(1.0);
         let from = ((low - edge).floor() as i32).clamp(floor, ceiling - 1);
         let to = ((high + edge).ceil() as i32).clamp(from + 1, ceiling.max(from + 1));
         Some(Axis::Log { from, to })
+    }
+
+    /// A logarithmic axis that ends half a marker beyond the values. `None` where none is positive.
+    pub fn around(values: impl Iterator<Item = f64>) -> Option<Axis> {
+        let (low, high) = extent(values)?;
+        let edge = EDGE * (high - low).max(1.0);
+        Some(Axis::Part { from: low - edge, to: high + edge })
     }
 
     /// The nearest value that the axis has.
@@ -52,6 +58,7 @@ impl Axis {
         match self {
             Axis::Linear { from, to } => (value - from) / (to - from),
             Axis::Log { from, to } => (value.log10() - f64::from(from)) / f64::from(to - from),
+            Axis::Part { from, to } => (value.log10() - from) / (to - from),
         }
     }
 }
@@ -72,6 +79,18 @@ impl Ranged for Axis {
                 let (first, last) = ((from / stride).ceil() as i64, (to / stride + 1e-9).floor() as i64);
                 (first..=last).map(|k| k as f64 * stride).collect()
             }
+            Axis::Part { from, to } => {
+                let within = |x: &f64| x.log10() >= from && x.log10() <= to;
+                let decades = from.floor() as i32..=to.floor() as i32;
+                let factors: &[f64] = if hint.weight().allow_light_points() {
+                    &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+                } else if to - from <= 3.0 {
+                    &[1.0, 2.0, 5.0]
+                } else {
+                    &[1.0]
+                };
+                decades.flat_map(|k| factors.iter().map(move |m| m * 10f64.powi(k))).filter(within).collect()
+            }
             Axis::Log { from, to } => {
                 let stride = [1, 2, 3, 5, 10].into_iter().find(|s| (to - from) / s < bold as i32).unwrap_or(20);
                 let decades = from..=to;
@@ -90,6 +109,7 @@ impl Ranged for Axis {
         match *self {
             Axis::Linear { from, to } => from..to,
             Axis::Log { from, to } => 10f64.powi(from)..10f64.powi(to),
+            Axis::Part { from, to } => 10f64.powf(from)..10f64.powf(to),
         }
     }
 }
@@ -98,9 +118,17 @@ impl ValueFormatter<f64> for Axis {
     fn format_ext(&self, value: &f64) -> String {
         match self {
             Axis::Linear { .. } => plain(*value, 4),
+            Axis::Part { .. } => plain(*value, 2),
             Axis::Log { .. } => power_of_ten(value.log10().round() as i32),
         }
     }
+}
+
+/// The logarithms of the smallest and the largest value; what is not positive does not count.
+fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let counted = values.filter(|x| *x > 0.0 && x.is_finite()).map(f64::log10);
+    let (low, high) = counted.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    (low <= high).then_some((low, high))
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `x`.
@@ -127,6 +155,14 @@ mod tests {
         assert_eq!(Axis::decades([2e-4, 7e-3].into_iter(), -18, 2), Some(Axis::Log { from: -4, to: -2 }));
         assert_eq!(Axis::decades([1e9, 1e-30].into_iter(), -17, 2), Some(Axis::Log { from: -17, to: 2 }));
         assert_eq!(Axis::decades([0.0, f64::NAN].into_iter(), -17, 2), None);
+    }
+
+    #[test]
+    fn an_axis_around_values_leaves_room_for_their_markers() {
+        let axis = Axis::around([1.0, 100.0, 0.0].into_iter()).expect("values");
+        assert_eq!(axis.key_points(BoldPoints(6)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
+        let range = axis.range();
+        assert!(range.start < 0.9 && range.start > 0.8 && range.end > 110.0 && range.end < 120.0, "{range:?}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub const FILE: &str = "cost.png";
 pub const CAPTION: &str = "CPU time a step against the number of links for every engine";
 
 pub fn draw(cost: &Cost) -> Result<Option<Vec<u8>>, ChartError> {
-    let Some(x) = Axis::decades(cost.points.iter().map(|p| p.links as f64), 0, 6) else { return Ok(None) };
+    let Some(x) = Axis::around(cost.points.iter().map(|p| p.links as f64)) else { return Ok(None) };
     let Some(y) = Axis::decades(cost.points.iter().map(|p| p.us_per_step), -4, 9) else { return Ok(None) };
     let looks = style::looks_of(cost.points.iter().map(|p| p.engine.as_str()));
     let subtitle = format!(

@@ -1,0 +1,189 @@
+//! What is expected of the engines' order, and whether the runs of a sweep show it.
+//!
+//! On smooth motions, at an error that single steps of low order do not reach, `galerkin` is expected to cost at most as much
+//! as `dop853` and `rattle` at most four times as much; and at the cost of rapier's most accurate run `rattle` is expected
+//! to err 1e4 times less. Each is told with the figures of the runs, and with the reason where it is not so.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::front::{self, family};
+use super::number::{duration, plain, power_of_ten, written};
+use super::record::Run;
+
+/// An expectation and what the runs say about it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Expectation {
+    pub expected: String,
+    pub holds: bool,
+    /// The figures, and the reason where it does not hold.
+    pub found: String,
+}
+
+/// Errors at which costs are compared, rad or m; the smallest that the reference can judge and `dop853` reaches is taken.
+const ERRORS: [f64; 2] = [1e-9, 1e-8];
+/// Times the cost of `dop853` that is expected at most.
+const MOST_COST: [(&str, f64); 2] = [("galerkin", 1.0), ("rattle", 4.0)];
+/// Times the error of `rattle` that rapier's is expected to be at least, at equal cost.
+const LEAST_GAIN: f64 = 1e4;
+
+pub(super) fn expectations(runs: &[Run], reference_error: f64) -> Vec<Expectation> {
+    let cost = MOST_COST.into_iter().filter_map(|(engine, most)| cost(runs, reference_error, engine, most));
+    cost.chain(gain(runs)).collect()
+}
+
+/// A timed run of known error.
+#[derive(Clone, Copy)]
+struct Known<'a> {
+    run: &'a Run,
+    cost: f64,
+    error: f64,
+}
+
+fn known<'a>(runs: &'a [Run], engine: &'a str) -> impl Iterator<Item = Known<'a>> {
+    let own = runs.iter().filter(move |run| family(&run.engine) == engine);
+    own.filter_map(|run| Some(Known { run, cost: front::cost(run)?, error: front::error(run)? }))
+}
+
+fn cheapest<'a>(runs: &'a [Run], engine: &'a str, error: f64) -> Option<Known<'a>> {
+    known(runs, engine).filter(|k| k.error <= error).min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+fn cost(runs: &[Run], reference_error: f64, engine: &str, most: f64) -> Option<Expectation> {
+    let judged = ERRORS.into_iter().filter(|error| *error >= 3.0 * reference_error);
+    let (error, rival) = judged.filter_map(|error| Some((error, cheapest(runs, "dop853", error)?))).next()?;
+    let bound = power_of_ten(error.log10().round() as i32);
+    let times = if most == 1.0 { String::new() } else { format!("{} times ", plain(most, 2)) };
+    let expected = format!("for {bound} {engine} costs at most {times}as much as dop853");
+    let seconds = format!("{} needs {} s a simulated second for {bound}", rival.run.engine, plain(rival.cost, 2));
+    let Some(own) = cheapest(runs, engine, error) else {
+        let best = known(runs, engine).min_by(|a, b| a.error.total_cmp(&b.error))?;
+        let found = format!(
+            "{seconds}; no setting of {engine} that was tried reaches it, the best, {}, errs by {}",
+            setting(best.run),
+            written(best.error)
+        );
+        return Some(Expectation { expected, holds: false, found });
+    };
+    let ratio = own.cost / rival.cost;
+    let mut found = format!("{seconds}, {} {} times that", setting(own.run), plain(ratio, 2));
+    let holds = ratio <= most;
+    if !holds {
+        found += ": ";
+        found += reason(engine);
+    }
+    Some(Expectation { expected, holds, found })
+}
+
+/// Why a method of fixed steps can cost more than an explicit one of variable steps. Facts of the methods; what they cost
+/// on the scene stands before them.
+fn reason(engine: &str) -> &'static str {
+    match engine {
+        "galerkin" => {
+            "its steps are all as long as the most violent moment allows, and it iterates the stages of each to roundoff, \
+             while dop853 fits its steps to the motion and takes 12 evaluations for each"
+        }
+        _ => {
+            "its steps are composed of steps of order 2, 5 at order 4 to 17 at order 8, that each solve the joints to \
+             roundoff, while dop853 fits its steps to the motion and takes 12 evaluations for each"
+        }
+    }
+}
+
+/// At the cost of rapier's most accurate run.
+fn gain(runs: &[Run]) -> Option<Expectation> {
+    let rival = known(runs, "rapier").min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let affordable = known(runs, "rattle").filter(|k| k.cost <= rival.cost);
+    let expected = format!(
+        "at the cost of rapier's most accurate run rattle errs {} times less",
+        power_of_ten(LEAST_GAIN.log10() as i32)
+    );
+    let run = format!(
+        "{} errs by {} for {} s a simulated second",
+        setting(rival.run),
+        written(rival.error),
+        plain(rival.cost, 2)
+    );
+    let Some(own) = affordable.min_by(|a, b| a.error.total_cmp(&b.error)) else {
+        return Some(Expectation {
+            expected,
+            holds: false,
+            found: format!("{run}; no setting of rattle that was tried is as cheap"),
+        });
+    };
+    let ratio = rival.error / own.error;
+    let mut found = format!("{run}, {} by {} for {}", setting(own.run), written(own.error), plain(own.cost, 2));
+    let holds = ratio >= LEAST_GAIN;
+    if !holds {
+        found += &format!(": {} times less", written(ratio));
+        let longer = known(runs, "rattle").filter(|k| k.error * LEAST_GAIN <= rival.error);
+        if let Some(next) = longer.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            found += &format!("; {} does for {} s", setting(next.run), plain(next.cost, 2));
+        }
+    }
+    Some(Expectation { expected, holds, found })
+}
+
+/// `rattle:order=8 at 20 ms`; the step of an engine with a tolerance says only how often its state was read.
+fn setting(run: &Run) -> String {
+    match run.engine.contains("tolerance=") {
+        true => run.engine.clone(),
+        false => format!("{} at {}", run.engine, duration(run.step_s)),
+    }
+}
+
+impl Expectation {
+    /// `Expected and not so: ...`.
+    pub fn sentence(&self) -> String {
+        let head = if self.holds { "As expected" } else { "Expected and not so" };
+        format!("{head}, {}: {}.", self.expected, self.found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::front::tests::run;
+    use super::*;
+
+    fn all(galerkin: f64, rattle: f64, rapier: f64) -> Vec<Run> {
+        vec![
+            run("dop853:tolerance=1e-9", 1e-4, 4e-10),
+            run("dop853:tolerance=1e-6", 5e-5, 1e-6),
+            run("galerkin:stages=6", galerkin, 2e-10),
+            run("rattle:order=8", rattle, 3e-10),
+            run("rapier:preset=strong", 1e-1, rapier),
+        ]
+    }
+
+    #[test]
+    fn expectations_that_the_runs_show_hold_and_others_do_not() {
+        let holds = |runs: &[Run]| expectations(runs, 1e-12).iter().map(|e| e.holds).collect::<Vec<bool>>();
+        assert_eq!(holds(&all(9e-5, 3.9e-4, 1e-4)), [true, true, true]);
+        assert_eq!(holds(&all(1.1e-4, 5e-4, 1e-6)), [false, false, false]);
+        // A rattle that costs more than rapier is not at equal cost.
+        assert_eq!(holds(&all(9e-5, 0.2, 1e-4)), [true, false, false]);
+    }
+
+    #[test]
+    fn the_sentence_has_the_figures_and_the_reason() {
+        let found = expectations(&all(1.5e-4, 3e-4, 1e-4), 1e-12);
+        assert_eq!(
+            found[0].sentence(),
+            "Expected and not so, for 10⁻⁹ galerkin costs at most as much as dop853: dop853:tolerance=1e-9 needs 0.0001 s a \
+             simulated second for 10⁻⁹, galerkin:stages=6 at 0.1 s 1.5 times that: its steps are all as long as the most \
+             violent moment allows, and it iterates the stages of each to roundoff, while dop853 fits its steps to the \
+             motion and takes 12 evaluations for each."
+        );
+        assert!(
+            found[1].sentence().starts_with("As expected, for 10⁻⁹ rattle costs at most 4 times as much as dop853: ")
+        );
+    }
+
+    #[test]
+    fn what_the_runs_do_not_show_is_not_told() {
+        let some = &all(9e-5, 3e-4, 1e-4)[2..4];
+        assert_eq!(expectations(some, 1e-12), []);
+        // A reference that is known to 1e-8 judges nothing below 3e-8.
+        assert_eq!(expectations(&all(9e-5, 3e-4, 1e-4), 1e-8).len(), 1);
+    }
+}

@@ -9,7 +9,7 @@ use super::bonds::{Bond, Trying, bonds};
 use super::joints::{Motion, Node, Place, Pose};
 use super::newton::Newton;
 use super::orthogonal::Orthogonal;
-use super::predictor::Predictor;
+use super::predictor::{self, Predictor};
 use super::rows::{Row, Schur};
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
@@ -108,7 +108,7 @@ impl Loops {
                 twist: vec![Spatial::ZERO; nodes.len()],
                 packed: vec![Spatial::ZERO; entries],
                 ground: vec![Pose::GROUND; entries],
-                predictor: Predictor::new(entries),
+                predictor: Predictor::new(entries, predictor::FULL),
                 last: None,
                 tried: StepEnergy::default(),
                 last_pulls: vec![(0.0, 0.0); springs],

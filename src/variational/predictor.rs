@@ -12,9 +12,16 @@ use super::spatial::{Spatial, Wrench};
 /// 3.1 and 3.7 rounds with degree three, 2.0 and 2.3 with degree six.
 const DEPTH: usize = 7;
 
+/// The degree that they are enough for.
+pub(super) const FULL: usize = DEPTH - 1;
+
 /// The degree where steps go back and forth in time, as those of a composition: their wrenches differ by what depends on the
 /// size of the step, and extrapolation would enlarge that.
 const RESTLESS: usize = 2;
+
+/// The degree in systems with springs in joints: that of a stiff one carries the roundoff of its angle, which a high degree
+/// enlarges.
+pub(super) const SPRUNG: usize = 3;
 
 /// The last joint forces (N, N m about the joint point, child's body axes) and their times.
 #[derive(Clone, Debug)]
@@ -25,11 +32,13 @@ pub(super) struct Predictor {
     /// How many entries are filled, and where the next one goes.
     filled: usize,
     next: usize,
+    /// The degree of the polynomial is at most this.
+    highest: usize,
 }
 
 impl Predictor {
-    pub(super) fn new(nodes: usize) -> Predictor {
-        Predictor { history: vec![[Spatial::ZERO; DEPTH]; nodes], times: [0.0; DEPTH], filled: 0, next: 0 }
+    pub(super) fn new(nodes: usize, highest: usize) -> Predictor {
+        Predictor { history: vec![[Spatial::ZERO; DEPTH]; nodes], times: [0.0; DEPTH], filled: 0, next: 0, highest }
     }
 
     /// Takes over what another one of the same size remembers, without allocation.
@@ -43,7 +52,7 @@ impl Predictor {
         let most = self.filled.checked_sub(1)?;
         let mut steps = (0..most).map(|k| self.times[newest(self.next, k)] - self.times[newest(self.next, k + 1)]);
         let steady = steps.next().is_none_or(|last| steps.all(|step| step * last > 0.0));
-        Some(if steady { most } else { most.min(RESTLESS) })
+        Some(most.min(if steady { self.highest } else { RESTLESS }))
     }
 
     /// Writes the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given degree.

@@ -49,7 +49,7 @@ use super::joints::{Motion, Node, Place, Pose, nodes};
 use super::loops::Loops;
 use super::method::Method;
 use super::newton::Newton;
-use super::predictor::Predictor;
+use super::predictor::{self, Predictor};
 use super::rotation::Rotation;
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
@@ -164,6 +164,7 @@ impl Rattle {
         light::mark(&mut nodes, length, !rows);
         let tree = Tree::new(&nodes);
         let implicit = forces.iter().any(JointForce::is_implicit).then(|| tree.clone());
+        let sprung = implicit.is_some();
         let mut rattle = Rattle {
             gravity: system.gravity,
             method: Method::Rattle,
@@ -184,7 +185,7 @@ impl Rattle {
             along: vec![Vector3::zeros(); n],
             wrench: vec![Spatial::ZERO; n],
             twist: vec![Spatial::ZERO; n],
-            predictor: Predictor::new(n),
+            predictor: Predictor::new(n, if sprung { predictor::SPRUNG } else { predictor::FULL }),
             newton: Newton::new(n),
             time: Compensated::new(SVector::zeros()),
             length,

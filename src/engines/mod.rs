@@ -37,6 +37,11 @@ pub trait Engine {
         0.0
     }
 
+    /// Whether the step of the run only says where states are handed out.
+    fn chooses_its_steps(&self) -> bool {
+        false
+    }
+
     /// What a reader of the run should know about how it was done so far, one sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()

@@ -292,6 +292,12 @@ struct Halved {
 /// How many of these are named.
 const NAMED: usize = 3;
 
+/// A rate times the step, rad, up to which failures are not put down to it.
+const RESOLVED: f64 = 0.3;
+
+/// The same for the sway of a linkage, whose forces grow large near a singular configuration without being the cause.
+const SWAYS: f64 = 1.0;
+
 impl RattleEngine {
     /// Takes the substeps. The state may be one of between when one of them fails.
     fn take(&mut self) -> Result<(), (usize, Failure)> {
@@ -324,17 +330,39 @@ impl RattleEngine {
         if matches!(failure, Failure::Singular { .. } | Failure::NotFinite { .. }) {
             return what;
         }
-        let turning = self.before.bodies.iter().map(|body| body.angular_velocity.norm()).enumerate();
-        let (body, omega) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
-        let fastest = format!("h |Omega| is at most {:.2} (body '{}')", self.step * omega, self.names.bodies[body]);
+        let cause = self.cause();
         if self.halved.is_some() {
-            return format!("{what}; {fastest}; halves of it down to 1/1024 fail too");
+            return format!("{what}; {cause}; halves of it down to 1/1024 fail too");
         }
         let cure = match self.step_that_works(taken) {
             Some(step) => format!("a step of {step:.3e} s goes on from there, as would on_failure=substep (order 2)"),
             None => "halves of it down to 1/1024 fail too".to_string(),
         };
-        format!("{what}; {fastest}; {cure}")
+        format!("{what}; {cause}; {cure}")
+    }
+
+    /// What of the motion is too fast for the step: the turn of a body, or the sway of a body under the forces in its joints.
+    fn cause(&self) -> String {
+        let turning = self.before.bodies.iter().map(|body| self.step * body.angular_velocity.norm()).enumerate();
+        let (turned, turn) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+        let (swayed, sway) = match &self.core {
+            Core::Rattle(rattle) => rattle.fastest_sway().map_or((0, 0.0), |(body, rate)| (body, self.step * rate)),
+            Core::Lobatto(_) | Core::Adaptive(_) => (0, 0.0),
+        };
+        let names = &self.names.bodies;
+        let fastest = format!("h |Omega| is at most {turn:.2} (body '{}')", names[turned]);
+        let linkage = !self.names.bonds.is_empty();
+        if sway > turn && sway > if linkage { SWAYS } else { RESOLVED } {
+            return format!(
+                "the forces in the joints make body '{}' sway with h omega = {sway:.1}, which the step does not resolve; {fastest}",
+                names[swayed]
+            );
+        }
+        if turn > RESOLVED {
+            return format!("{fastest}, which the step does not resolve");
+        }
+        let place = if linkage { ", as where a linkage passes a singular configuration" } else { "" };
+        format!("{fastest} and h omega of the sway {sway:.2}: the motion changes within the step{place}")
     }
 
     /// Found on copies of the state before the step; that of a composition, a reversible map, by going back the substeps taken.
@@ -373,6 +401,10 @@ impl Engine for RattleEngine {
         } else {
             self.core.write_state(out);
         }
+    }
+
+    fn chooses_its_steps(&self) -> bool {
+        matches!(self.core, Core::Adaptive(_))
     }
 
     fn remarks(&self) -> Vec<String> {
@@ -440,13 +472,13 @@ fn describe(failure: Failure, time: f64, step: f64, names: &Names) -> String {
             names.joints[joint]
         ),
         Failure::Loop { index, rounds, residual } => format!(
-            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
-             where it passes a singular configuration; take a smaller step",
+            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s; take \
+             a smaller step",
             names.bonds[index]
         ),
         Failure::Leap { gained } => format!(
             "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic energy from \
-             nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
+             nowhere; take a smaller step"
         ),
         Failure::Stalled { step } => format!(
             "t = {time:.6} s: the adaptive step of {step:.1e} s is too short for the time to advance; take a larger tol"

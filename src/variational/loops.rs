@@ -18,7 +18,7 @@ use crate::mechanics::System;
 /// Redundant rows that contradict each other by more than this, over the system's length, are an open loop.
 const CONTRADICTION: f64 = 1e-10;
 
-/// The part of the kinetic energy that a step of a linkage may gain by its error. Whips with `h |Omega|` near 1 gain 0.05.
+/// The part of the kinetic energy that a step of a linkage may gain or lose by its error. Whips with `h |Omega|` near 1 gain 0.05.
 const LEAP: f64 = 0.3;
 
 /// A row of the exact linearisation whose velocity is this part of that on free bodies is implied by the others.
@@ -320,7 +320,7 @@ impl Loops {
         self.last_pulls.copy_from_slice(&self.tried_pulls);
     }
 
-    /// The part of the kinetic energy that a step takes from nowhere, where that is more than [`LEAP`]. Constraints do no work:
+    /// The part of the kinetic energy that a step takes from nowhere, or loses, where that is more than [`LEAP`]. Constraints do no work:
     /// near a singular configuration the equations of a step have other solutions, which throw the linkage onto another
     /// branch.
     pub(super) fn leap(&mut self, h: f64, energy: StepEnergy) -> Option<f64> {
@@ -337,7 +337,7 @@ impl Loops {
         let kinetic = energy.kinetic.max(last.kinetic);
         // Near a turning point the work of a step is all that there is, and steps of different sizes share it unevenly.
         let turning = energy.fall + last.fall + energy.work.abs() + last.work.abs();
-        (gained > LEAP * kinetic + turning).then_some(gained / kinetic)
+        (gained.abs() > LEAP * kinetic + turning).then_some(gained / kinetic)
     }
 
     /// Work of the springs from the middle of the last step to that of the one that is being tried: their impulses in the two

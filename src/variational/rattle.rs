@@ -224,7 +224,10 @@ impl Rattle {
             rounds: 0,
             nodes,
         };
-        rattle.factorise()?;
+        rattle.factorise(0.0)?;
+        for (i, k) in (1..n).filter_map(|i| Some((i, rattle.nodes[i].force?))) {
+            rattle.forces[k].start(1.0 / rattle.tree.compliance(i));
+        }
         if let Some(loops) = &mut rattle.loops {
             loops.start();
         }
@@ -233,7 +236,11 @@ impl Rattle {
     }
 
     /// Steps by another map than [`Method::Rattle`].
-    pub fn with_method(self, method: Method) -> Rattle {
+    pub fn with_method(mut self, method: Method) -> Rattle {
+        if method != Method::Rattle {
+            // Their dampers are those of (1) in `forces` alone.
+            self.forces.iter_mut().for_each(|force| force.start(f64::INFINITY));
+        }
         Rattle { method, ..self }
     }
 
@@ -292,7 +299,7 @@ impl Rattle {
         if self.fault.is_some() {
             self.do_wrong(h);
         }
-        self.factorise()?;
+        self.factorise(h)?;
         self.project_momenta(h);
         self.time.add(&SVector::<f64, 1>::new(h));
         Ok(())
@@ -525,29 +532,25 @@ impl Rattle {
         }
     }
 
-    /// Kinetic energy of the momenta at the start of the step, J. Light bodies are left out.
+    /// Kinetic energy of the momenta at the start of the step, J.
     fn kinetic_energy(&self) -> f64 {
-        let heavy = (1..self.nodes.len()).filter(|&i| !self.nodes[i].light);
-        heavy
-            .map(|i| {
-                let (node, body) = (&self.nodes[i], &self.bodies[i]);
-                let spin = self.pose[i].r.tr_mul(&body.pi.value);
-                let spinning = spin.component_mul(&spin).component_div(&node.inertia).sum();
-                0.5 * (body.p.value.norm_squared() / node.mass + spinning)
-            })
+        let moving = self.nodes.iter().zip(&self.bodies).zip(&self.pose).skip(1);
+        moving
+            .map(|((node, body), pose)| kinetic_energy(node, &body.p.value, &pose.r.tr_mul(&body.pi.value)))
             .sum()
     }
 
-    /// The energies of the step that is being tried. Light bodies are left out.
+    /// The energies of the step that is being tried.
     fn step_energy(&self, h: f64) -> StepEnergy {
         let mut sum = StepEnergy::default();
-        for ((node, body), trial) in self.nodes.iter().zip(&self.bodies).zip(&self.trial).skip(1) {
-            if node.light {
-                continue;
-            }
-            let p = body.p.plus(&trial.kick.linear);
-            let spin = trial.hm.component_mul(&trial.hm).component_div(&node.inertia).sum() / (h * h);
-            sum.kinetic += 0.5 * (p.norm_squared() / node.mass + spin);
+        for i in 1..self.nodes.len() {
+            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
+            sum.kinetic += if node.light {
+                let Spatial { linear, angular } = self.momentum_of_motion(i, h);
+                kinetic_energy(node, &linear, &self.pose[i].r.tr_mul(&angular))
+            } else {
+                kinetic_energy(node, &body.p.plus(&trial.kick.linear), &(trial.hm / h))
+            };
             sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
             sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
         }
@@ -645,8 +648,8 @@ impl Rattle {
         Ok(())
     }
 
-    /// Places the joints at the start configuration and factorises there.
-    fn factorise(&mut self) -> Result<(), Failure> {
+    /// Places the joints in the present configuration and factorises there, for the end of a step of size `h`.
+    fn factorise(&mut self, h: f64) -> Result<(), Failure> {
         for i in 1..self.nodes.len() {
             let parent = self.nodes[i].parent;
             let parent_arm = self.places[parent].arm;
@@ -654,9 +657,10 @@ impl Rattle {
             self.places[i] = Place::new(node, pose, parent, &parent_arm);
             self.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
         }
-        let (nodes, pose) = (&self.nodes, &self.pose);
+        let (nodes, pose, forces) = (&self.nodes, &self.pose, &self.forces);
+        let late = |i: usize| if self.implicit.is_some() { late(nodes, forces, i, h) } else { 0.0 };
         self.tree
-            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
+            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), late)
             .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         if let Some(loops) = &mut self.loops {
             loops.place(nodes, pose, &self.places, RETURN);
@@ -699,7 +703,9 @@ impl Rattle {
         );
         for i in 1..self.nodes.len() {
             // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
-            keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            if late(&self.nodes, &self.forces, i, h) == 0.0 {
+                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            }
             if self.method == Method::Shake && h != 0.0 {
                 continue;
             }
@@ -729,6 +735,30 @@ impl Rattle {
                 angular_velocity: twist.angular,
             };
         }
+    }
+
+    /// The body that the forces in the joints would swing fastest, by index, and how fast, rad/s: a body with the forces `F_j` at
+    /// the joint points `r_j` from its centre of mass turns about its own joint, at `r_0`, like a pendulum,
+    ///
+    /// ```text
+    /// omega^2 = sum_j |F_j| |r_j| / (J + m |r_0|^2) .
+    /// ```
+    ///
+    /// It is a bound of the size of the fastest sway of a taut chain, by the forces of the last step. `None` before the first.
+    pub fn fastest_sway(&self) -> Option<(usize, f64)> {
+        self.predictor.degree()?;
+        let mut moment = vec![0.0; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate().skip(1) {
+            let force = self.predictor.newest(i).linear.norm();
+            moment[i] += force * node.arm.norm();
+            moment[node.parent] += force * node.parent_arm.norm();
+        }
+        let rate = |i: usize| {
+            let node = &self.nodes[i];
+            let inertia = node.inertia.max() + node.mass * node.arm.norm_squared();
+            if inertia > 0.0 { (moment[i] / inertia).sqrt() } else { 0.0 }
+        };
+        (1..self.nodes.len()).map(|i| (i - 1, rate(i))).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Independent rows of the loops and couplings in the present configuration.
@@ -778,6 +808,18 @@ impl Open {
             Open::Loop(index) => Failure::Loop { index, rounds, residual },
         }
     }
+}
+
+/// Kinetic energy of a body by its momentum and its angular momentum in body axes, J; none where there is no inertia.
+fn kinetic_energy(node: &Node, linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
+    let part = |square: f64, inertia: f64| if inertia > 0.0 { 0.5 * square / inertia } else { 0.0 };
+    part(linear.norm_squared(), node.mass) + (0..3).map(|k| part(angular[k] * angular[k], node.inertia[k])).sum::<f64>()
+}
+
+/// What the force of a joint adds to `D` at the end of a step of size `h`.
+#[inline(always)]
+fn late(nodes: &[Node], forces: &[JointForce], i: usize, h: f64) -> f64 {
+    nodes[i].force.map_or(0.0, |k| forces[k].late(h))
 }
 
 /// `w M^-1 w` of a wrench about the centre of mass of a free body.

@@ -53,7 +53,8 @@ fn meaning(class: Class) -> &'static str {
     }
 }
 
-pub fn draw(family: &FamilyRecord, engines: &[String]) -> Result<Vec<u8>, ChartError> {
+pub fn draw(family: &FamilyRecord) -> Result<Vec<u8>, ChartError> {
+    let engines = &family.engines;
     let scan_height = |scan: &ScanRecord| TITLE_HEIGHT + CELL_HEIGHT * scan.steps.len() as u32 + VALUES_HEIGHT;
     let height = ABOVE + family.scans.iter().map(scan_height).sum::<u32>() + 8;
     let count = engines.len().max(1) as u32;

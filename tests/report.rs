@@ -32,7 +32,7 @@ fn report(scene: &Scene, engines: &[&str], steps: &[f64], duration: f64, structu
         jobs: 1,
         structure,
     };
-    let results = comparison.run(&AtomicBool::new(false), &Progress::default());
+    let results = comparison.run(None, &AtomicBool::new(false), &Progress::default());
     Report::new(scene, &system, &results, "rattlebench compare".to_string())
 }
 

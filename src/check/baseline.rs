@@ -6,7 +6,7 @@
 //! changes no ratio.
 
 use super::requirement::shown;
-use super::run::{self, Unit};
+use super::run::{self, Need, Unit};
 use crate::engines::{self, Spec};
 use crate::measure::Horizon;
 use crate::mechanics::System;
@@ -38,7 +38,12 @@ pub fn units(earlier: &Report, system: &System, longest: u64) -> (Vec<Unit>, Vec
         });
         match (able, Horizon::nearest(old.step_s, old.duration_s)) {
             (Ok(spec), Ok(horizon)) => {
-                run::add(&mut units, &spec, horizon, old.time.is_some() && rivals(earlier, old) > 0)
+                let need = Need {
+                    timed: old.time.is_some() && rivals(earlier, old) > 0,
+                    compared: old.accuracy.is_some(),
+                    examined: old.structure.is_some(),
+                };
+                run::add(&mut units, &spec, horizon, need);
             }
             (Err(problem), _) => lost.push(format!("{} at {} s: {problem}", old.engine, old.step_s)),
             (_, Err(problem)) => lost.push(format!("{} at {} s: {problem}", old.engine, old.step_s)),

@@ -2,6 +2,7 @@
 
 use super::Requirement;
 use super::requirement::shown;
+use super::run::TRUTH_BUDGET;
 use crate::engines::Spec;
 use crate::measure::growth::MIN_STEPS;
 use crate::report::Report;
@@ -59,7 +60,7 @@ fn find(required: &Requirement, report: &Report) -> Finding {
     Finding {
         requirement: required.clone(),
         measured: Some(x),
-        detail: (!completed).then(|| ended(run)),
+        detail: if completed { compared_until(run, required) } else { Some(ended(run)) },
         passed: completed && kept,
     }
 }
@@ -71,6 +72,13 @@ fn run_of<'a>(report: &'a Report, engine: &Spec, required: &Requirement) -> Opti
         let timed = r.time.is_some() || !required.timed();
         r.engine == name && r.step_s == horizon.step && r.steps == horizon.steps && timed
     })
+}
+
+/// How far positions were compared with the truth, where that is not to the end.
+fn compared_until(run: &Run, required: &Requirement) -> Option<String> {
+    let until = run.accuracy.as_ref().filter(|_| required.need().compared)?.until_s;
+    let whole = until > required.horizon.end * (1.0 - 1e-9);
+    (!whole).then(|| format!("compared up to {until} s, as far as the truth is known"))
 }
 
 fn ratio(run: &Run, other: &Run) -> Option<f64> {
@@ -89,6 +97,12 @@ fn absent(required: &Requirement) -> String {
     }
     if metric.starts_with("energy.") && required.horizon.steps < MIN_STEPS {
         return format!("a run of {} steps is too short to be judged; take {MIN_STEPS}", required.horizon.steps);
+    }
+    if required.need().compared {
+        let budget = TRUTH_BUDGET.as_secs();
+        return format!(
+            "no truth to compare with: the reference does not take this scene or needs more than {budget} s"
+        );
     }
     "this scene has no such figure".to_string()
 }

@@ -109,8 +109,8 @@ pub fn check(path: impl AsRef<Path>, scope: Scope) -> Result<Checked, CheckError
     }
     let (kept, left_out) = scoped(all, scope);
     let settings = run::Settings { jobs: 1, interrupted: &AtomicBool::new(false), taken: &AtomicU64::new(0) };
-    let results = run::run(&system, &run::units(&kept), &settings);
-    let report = Report::new(&scene, &system, &results, String::new());
+    let found = run::run(&system, &run::units(&kept), &settings);
+    let report = Report::of_study(&scene, &system, &found, String::new());
     let findings = judge(&kept, &report);
     Ok(Checked { report, findings, left_out })
 }

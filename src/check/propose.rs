@@ -10,7 +10,7 @@ use crate::report::metrics::{METRICS, VERDICT};
 use crate::report::record::{Outcome, Run};
 
 use super::QUICK_STEPS;
-use super::run::{self, Unit};
+use super::run::{self, Need, Unit};
 
 /// Figures of this size are roundoff of the arithmetic; no bound is proposed below.
 const FLOOR: f64 = 1e-15;
@@ -45,7 +45,7 @@ pub fn default_units(scene: &Scene) -> Result<Vec<Unit>, ProposeError> {
     let step = scene.steps.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(1e-3);
     let horizon = Horizon::nearest(step, step * QUICK_STEPS as f64)?;
     let mut units = Vec::new();
-    run::add(&mut units, &Spec::parse("rattle")?, horizon, false);
+    run::add(&mut units, &Spec::parse("rattle")?, horizon, Need::default());
     Ok(units)
 }
 

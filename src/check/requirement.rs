@@ -1,5 +1,6 @@
 //! A bound that has been checked: its engine, figure and run exist.
 
+use super::run::Need;
 use crate::engines::{Spec, SpecError};
 use crate::measure::Horizon;
 use crate::measure::growth::Verdict;
@@ -91,7 +92,13 @@ impl Requirement {
 
     /// Whether processor time is needed.
     pub fn timed(&self) -> bool {
-        self.metric.name.starts_with("time.")
+        self.need().timed
+    }
+
+    /// What has to be measured beside the run.
+    pub fn need(&self) -> Need {
+        let of = |group| self.metric.name.starts_with(group);
+        Need { timed: of("time."), compared: of("accuracy."), examined: of("structure.") }
     }
 
     /// The bound in words: `<= 1e-4`, `between 0 and 1`.

@@ -8,14 +8,41 @@ use super::Requirement;
 use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress, Results};
+use crate::measure::study::Findings;
+use crate::measure::trust;
+use crate::measure::truth::Truth;
 use crate::mechanics::System;
+
+/// Wall-clock time that the search for the truth of a scene may take.
+pub const TRUTH_BUDGET: Duration = Duration::from_secs(60);
 
 /// Engines that run over the same horizon and, where they are timed, take turns.
 #[derive(Clone, Debug)]
 pub struct Unit {
     pub engines: Vec<Spec>,
     pub horizon: Horizon,
+    pub need: Need,
+}
+
+/// What is measured beside a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Need {
+    /// Processor time.
     pub timed: bool,
+    /// Positions against the truth.
+    pub compared: bool,
+    /// What a few steps preserve.
+    pub examined: bool,
+}
+
+impl Need {
+    fn or(self, other: Need) -> Need {
+        Need {
+            timed: self.timed || other.timed,
+            compared: self.compared || other.compared,
+            examined: self.examined || other.examined,
+        }
+    }
 }
 
 /// How the runs are taken.
@@ -32,24 +59,28 @@ pub struct Settings<'a> {
 /// The fewest runs that have every figure that is required.
 pub fn units(requirements: &[Requirement]) -> Vec<Unit> {
     let mut units: Vec<Unit> = Vec::new();
-    for required in requirements.iter().filter(|r| r.timed()) {
-        required.engines().for_each(|spec| add(&mut units, spec, required.horizon, true));
-    }
-    for required in requirements.iter().filter(|r| !r.timed()) {
-        add(&mut units, &required.engine, required.horizon, false);
+    let mut order: Vec<&Requirement> = requirements.iter().collect();
+    order.sort_by_key(|required| !required.need().timed);
+    for required in order {
+        required.engines().for_each(|spec| add(&mut units, spec, required.horizon, required.need()));
     }
     units
 }
 
-/// Adds a run unless there is one already. Timed engines over one horizon make up one unit.
-pub fn add(units: &mut Vec<Unit>, spec: &Spec, horizon: Horizon, timed: bool) {
+/// Adds a run, or a need to the one that there is. Timed engines over one horizon make up one unit.
+pub fn add(units: &mut Vec<Unit>, spec: &Spec, horizon: Horizon, need: Need) {
     let has = |unit: &Unit| unit.engines.iter().any(|e| e.to_string() == spec.to_string());
-    if units.iter().any(|u| u.horizon == horizon && (u.timed || !timed) && has(u)) {
+    let there = units.iter_mut().find(|u| u.horizon == horizon && (u.need.timed || !need.timed) && has(u));
+    if let Some(unit) = there {
+        unit.need = unit.need.or(need);
         return;
     }
-    match units.iter_mut().find(|u| timed && u.timed && u.horizon == horizon) {
-        Some(unit) => unit.engines.push(spec.clone()),
-        None => units.push(Unit { engines: vec![spec.clone()], horizon, timed }),
+    match units.iter_mut().find(|u| need.timed && u.need.timed && u.horizon == horizon) {
+        Some(unit) => {
+            unit.engines.push(spec.clone());
+            unit.need = unit.need.or(need);
+        }
+        None => units.push(Unit { engines: vec![spec.clone()], horizon, need }),
     }
 }
 
@@ -58,8 +89,18 @@ pub fn steps(units: &[Unit]) -> u64 {
     units.iter().map(|u| u.engines.len() as u64 * u.horizon.steps).sum()
 }
 
-/// Takes the runs, those that are not timed on several threads.
-pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Results {
+/// Takes the runs, those that are not timed on several threads, after the truth where one of them is compared with it.
+pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Findings {
+    let compared: Vec<Horizon> = units.iter().filter(|u| u.need.compared).map(|u| u.horizon).collect();
+    let truth = match compared.is_empty() {
+        true => None,
+        false => trust::find(system, &compared, TRUTH_BUDGET, settings.interrupted).filter(|t| !t.times.is_empty()),
+    };
+    let results = take_all(system, units, truth.as_ref(), settings);
+    Findings { results, truth, parity: Vec::new(), sweep: None, overhead: None }
+}
+
+fn take_all(system: &System, units: &[Unit], truth: Option<&Truth>, settings: &Settings) -> Results {
     let take = |unit: &Unit| {
         let progress = Progress::default();
         let comparison = Comparison {
@@ -68,16 +109,17 @@ pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Results {
             horizons: &[unit.horizon],
             budget: Duration::MAX,
             jobs: 1,
-            structure: false,
+            structure: unit.need.examined,
         };
-        let results = match unit.timed {
-            true => comparison.run(settings.interrupted, &progress),
-            false => comparison.trace(None, settings.interrupted, &progress),
+        let truth = truth.filter(|_| unit.need.compared);
+        let results = match unit.need.timed {
+            true => comparison.run(truth, settings.interrupted, &progress),
+            false => comparison.trace(truth, settings.interrupted, &progress),
         };
         settings.taken.fetch_add(unit.engines.len() as u64 * unit.horizon.steps, Ordering::Relaxed);
         results
     };
-    let mut order: Vec<usize> = (0..units.len()).filter(|&i| !units[i].timed).collect();
+    let mut order: Vec<usize> = (0..units.len()).filter(|&i| !units[i].need.timed).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(units[i].horizon.steps));
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Option<Results>>> = units.iter().map(|_| Mutex::new(None)).collect();
@@ -96,7 +138,7 @@ pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Results {
     let mut all = Results { runs: Vec::new(), interrupted: false };
     for (unit, slot) in units.iter().zip(found) {
         let taken = slot.into_inner().ok().flatten();
-        let results = if unit.timed { Some(take(unit)) } else { taken };
+        let results = if unit.need.timed { Some(take(unit)) } else { taken };
         all.interrupted |= results.as_ref().is_none_or(|r| r.interrupted);
         all.runs.extend(results.into_iter().flat_map(|r| r.runs));
     }

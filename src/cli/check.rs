@@ -11,7 +11,6 @@ use crate::check::{
     CheckError, Finding, QUICK_STEPS, Requirement, Scope, baseline, controls, github, judge, junit, propose,
     requirements, scoped, summary, table,
 };
-use crate::measure::comparison::Results;
 use crate::mechanics::System;
 use crate::model::{Scene, read_bounds};
 use crate::report::charts::broken_bound::{self, Broken};
@@ -145,11 +144,11 @@ impl Runner {
         let taken = AtomicU64::new(0);
         let settings = Settings { jobs: self.jobs, interrupted: self.interrupted, taken: &taken };
         let stages = [progress::Stage { name, total: run::steps(units), done: &taken }];
-        let results: Results = progress::during(&task.scene.name, &stages, || run::run(&task.system, units, &settings));
+        let found = progress::during(&task.scene.name, &stages, || run::run(&task.system, units, &settings));
         if self.interrupted.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);
         }
-        Ok(Report::new(&task.scene, &task.system, &results, input::command_line()))
+        Ok(Report::of_study(&task.scene, &task.system, &found, input::command_line()))
     }
 }
 
@@ -174,7 +173,7 @@ fn check(args: &Args, task: &Task, runner: &Runner) -> Result<Told, CliError> {
     for earlier in &task.earlier {
         let (more, lost) = baseline::units(earlier, &task.system, longest);
         for unit in &more {
-            unit.engines.iter().for_each(|spec| run::add(&mut units, spec, unit.horizon, unit.timed));
+            unit.engines.iter().for_each(|spec| run::add(&mut units, spec, unit.horizon, unit.need));
         }
         notes.extend(lost.into_iter().map(|l| format!("not compared with the baseline: {l}")));
     }

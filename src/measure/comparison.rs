@@ -71,8 +71,8 @@ impl Comparison<'_> {
     }
 
     /// Runs everything; `interrupted` may be set from outside at any time.
-    pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Results {
-        let mut results = self.trace(None, interrupted, progress);
+    pub fn run(&self, truth: Option<&Truth>, interrupted: &AtomicBool, progress: &Progress) -> Results {
+        let mut results = self.trace(truth, interrupted, progress);
         if !results.interrupted {
             results.interrupted = !self.time(&mut results.runs, interrupted, progress);
         }

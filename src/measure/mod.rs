@@ -22,7 +22,7 @@ pub mod structure;
 pub mod study;
 pub mod sweep;
 pub mod trace;
-mod trust;
+pub mod trust;
 pub mod truth;
 pub mod turn;
 mod work;

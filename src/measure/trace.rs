@@ -218,6 +218,8 @@ struct Probe<'a> {
     work: Option<Work>,
     /// States whose work is not known yet.
     waiting: VecDeque<Sample>,
+    /// Works that have become known with the last state, J.
+    known: Vec<f64>,
     energy: EnergyError,
     corrected: EnergyError,
     residual: constraint::Residual,
@@ -256,6 +258,7 @@ impl<'a> Probe<'a> {
             joints,
             work,
             waiting: VecDeque::new(),
+            known: Vec::new(),
             follower: None,
             lag,
             energy: EnergyError::default(),
@@ -292,9 +295,8 @@ impl<'a> Probe<'a> {
             lag => energy::energy_at_velocity_time(system, &self.state, joints, lag).total(),
         };
         let residual = constraint::residual(system, &self.state);
-        let mut known = Vec::new();
         if let Some(work) = &mut self.work {
-            work.add(system, &self.state, &self.joints, |w| known.push(w));
+            work.add(system, &self.state, &self.joints);
         }
         let rough = self.work.as_ref().map_or(0.0, Work::rough);
         let error = (energy + rough - self.start_energy) / system.energy_scale;
@@ -313,10 +315,14 @@ impl<'a> Probe<'a> {
             follower.add(time, self.horizon.step, &self.state);
         }
         self.waiting.push_back(Sample { time, energy, corrected, residual });
-        if self.work.is_none() {
-            known.push(0.0);
+        match &mut self.work {
+            Some(work) => {
+                self.known.clear();
+                work.integrate(|w| self.known.push(w));
+                (0..self.known.len()).for_each(|k| self.judge(self.known[k]));
+            }
+            None => self.judge(0.0),
         }
-        known.into_iter().for_each(|work| self.judge(work));
         Ok(())
     }
 
@@ -332,11 +338,11 @@ impl<'a> Probe<'a> {
     }
 
     fn finish(mut self, outcome: Outcome) -> Trace {
-        let mut known = Vec::new();
+        self.known.clear();
         if let Some(work) = &mut self.work {
-            work.finish(|w| known.push(w));
+            work.finish(|w| self.known.push(w));
         }
-        known.into_iter().for_each(|work| self.judge(work));
+        (0..self.known.len()).for_each(|k| self.judge(self.known[k]));
         let measured = self.taken > 0;
         let stretches: Vec<Stretch> = self
             .series

@@ -20,7 +20,7 @@ const CLOSE: f64 = 1e-10;
 
 /// The truth at times that the horizons have, as far as it is found within a budget on the wall clock. `None` where the
 /// reference does not take the system.
-pub(super) fn find(system: &System, horizons: &[Horizon], budget: Duration, interrupted: &AtomicBool) -> Option<Truth> {
+pub fn find(system: &System, horizons: &[Horizon], budget: Duration, interrupted: &AtomicBool) -> Option<Truth> {
     let begin = Instant::now();
     let times = sampling_times(horizons);
     let interval = sampling_interval(horizons.iter().map(|h| h.end).fold(0.0, f64::max));

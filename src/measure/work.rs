@@ -12,7 +12,7 @@ use crate::mechanics::{State, System};
 ///  - sum u(t) thetadot   over the drives
 /// ```
 ///
-/// from the states at the ends of equal steps, by a rule of order 8 ([`RunningIntegral`]). It is as good as its steps
+/// from the states at the ends of equal steps, by a rule of order 12 ([`RunningIntegral`]). It is as good as its steps
 /// resolve the power: a damper that stops a motion within a step is beyond it.
 #[derive(Debug)]
 pub(super) struct Work {
@@ -55,13 +55,17 @@ impl Work {
         in_joints.sum::<f64>() + between.sum::<f64>() - driven.sum::<f64>()
     }
 
-    /// Takes in the next state, with its joint coordinates. Calls `known` with each work since the start that is known
-    /// from now on, in the order of the states: the first few states wait for one another.
-    pub(super) fn add(&mut self, system: &System, state: &State, joints: &CoordinateTracker, known: impl FnMut(f64)) {
+    /// Takes in the next state, with its joint coordinates.
+    pub(super) fn add(&mut self, system: &System, state: &State, joints: &CoordinateTracker) {
         self.steps += 1;
         let power = self.power(system, state, joints);
         self.rough = (power, self.rough.1 + 0.5 * self.step * (self.rough.0 + power));
-        self.integral.push(power, known);
+    }
+
+    /// Integrates up to the newest state. Calls `known` with each work since the start that is known from now on, in the
+    /// order of the states: a state waits for the few that follow.
+    pub(super) fn integrate(&mut self, known: impl FnMut(f64)) {
+        self.integral.push(self.rough.0, known);
     }
 
     /// The work up to the newest state by the trapezoidal rule.
@@ -69,7 +73,7 @@ impl Work {
         self.rough.1
     }
 
-    /// Calls `known` for the states that still wait at the end of a short run.
+    /// Calls `known` for the states that still wait at the end of a run.
     pub(super) fn finish(&mut self, known: impl FnMut(f64)) {
         self.integral.finish(known);
     }
@@ -92,7 +96,8 @@ mod tests {
         for n in 1..=steps {
             state.bodies[0].angular_velocity.z = omega(n as f64 * h);
             joints.update(system, &state, h);
-            work.add(system, &state, &joints, |w| found.push(w));
+            work.add(system, &state, &joints);
+            work.integrate(|w| found.push(w));
         }
         work.finish(|w| found.push(w));
         assert_eq!(found.len() as u64, steps);
@@ -108,9 +113,9 @@ mod tests {
         let (inertia, damping, speed) = (2.0, 0.5, 3.0);
         let system = synthetic::flywheel(inertia, damping, speed);
         let omega = |t: f64| speed * (-damping * t / inertia).exp();
-        let (coarse, fine) = (error(&system, 0.2, &omega), error(&system, 0.1, &omega));
-        // measured 5.5e-11 and 2.6e-13
-        assert!(coarse < 1.5e-10 && fine < coarse / 100.0, "{coarse:e} {fine:e}");
+        let found = error(&system, 0.2, &omega);
+        // measured 2.0e-15
+        assert!(found < 5e-15, "{found:e}");
     }
 
     /// A flywheel under `u = u0 + A sin(w t + p)`: `omega = omega0 + (u0 t - A/w (cos(w t + p) - cos p)) / J`.
@@ -123,8 +128,8 @@ mod tests {
             |t: f64| speed + (drive.effort * t - drive.amplitude / w * ((w * t + phase).cos() - phase.cos())) / inertia;
         system.parts.drives = vec![drive.clone()];
         let (coarse, fine) = (error(&system, 0.05, &omega), error(&system, 0.025, &omega));
-        // measured 2.3e-8 and 1.1e-10
-        assert!(coarse < 6e-8 && fine < coarse / 100.0, "{coarse:e} {fine:e}");
+        // measured 2.1e-11 and 4.3e-15
+        assert!(coarse < 6e-11 && fine < coarse / 100.0, "{coarse:e} {fine:e}");
         // Negative control: a drive of 1 % less is seen.
         system.parts.drives[0].amplitude *= 0.99;
         assert!(error(&system, 0.025, &omega) > 1e-3);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 
-const SCENE: &str = "tests/check/scene.json";
+const SCENE: &str = "models/damped_pendulum/scene.json";
 const PENDULUM: &str = "models/pendulum/scene.json";
 
 fn rattlebench(arguments: &[&str]) -> Command {

@@ -60,7 +60,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let ended = if output.is_terminal() {
         run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted)
     } else {
-        progress::during(&scene.name, &stages, || run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted))
+        progress::during(&scene.name, &stages, || {
+            run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted)
+        })
     };
     let ended = match ended {
         Err(error) => return Err(output.failed(error)),
@@ -70,7 +72,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     for remark in engine.remarks() {
         eprintln!("remark: {spec}: {remark}");
     }
-    if let Some(warning) = turn.warning(&system) {
+    let failed = matches!(ended, Ended::Failed(_));
+    if let Some(warning) = turn.warning(&system, engine.as_ref()).filter(|_| !failed) {
         eprintln!("warning: {spec}: {warning}");
     }
     match ended {

@@ -42,6 +42,11 @@ pub trait Engine {
         false
     }
 
+    /// Why the figures of the run may mislead although no step has failed, as far as the engine knows.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+
     /// What a reader of the run should know about how it was done so far, one sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()

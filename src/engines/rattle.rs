@@ -407,6 +407,20 @@ impl Engine for RattleEngine {
         matches!(self.core, Core::Adaptive(_))
     }
 
+    fn warning(&self) -> Option<String> {
+        let jump = match &self.core {
+            // Substeps of different sizes and signs are not compared.
+            Core::Rattle(rattle) if self.substeps.len() == 1 => rattle.jump(),
+            _ => None,
+        };
+        jump.map(|(part, time)| {
+            format!(
+                "t = {time:.6} s: a step changes the kinetic energy of a linkage by {part:.2} of it without work, as where it \
+                 passes a singular configuration within a step; take a smaller step"
+            )
+        })
+    }
+
     fn remarks(&self) -> Vec<String> {
         let switched = self.core.switched().iter().map(|&(body, time)| {
             format!(

@@ -191,7 +191,7 @@ pub fn trace_against<'a>(
         limits.taken.fetch_add(1, Ordering::Relaxed);
     };
     limits.taken.fetch_add(horizon.steps - probe.taken, Ordering::Relaxed);
-    Some(probe.finish(outcome))
+    Some(probe.finish(engine, outcome))
 }
 
 /// A state's energies, J, and joint residuals.
@@ -337,7 +337,7 @@ impl<'a> Probe<'a> {
         self.series.push(sample.time, [error, corrected, sample.residual.position, sample.residual.velocity]);
     }
 
-    fn finish(mut self, outcome: Outcome) -> Trace {
+    fn finish(mut self, engine: &dyn Engine, outcome: Outcome) -> Trace {
         self.known.clear();
         if let Some(work) = &mut self.work {
             work.finish(|w| self.known.push(w));
@@ -360,7 +360,7 @@ impl<'a> Probe<'a> {
             time_level_corrected: (measured && self.lag != 0.0).then_some(self.corrected),
             residual: measured.then_some(self.residual),
             turn_per_step: measured.then_some(self.turn.largest()),
-            warning: self.turn.warning(self.system),
+            warning: self.turn.warning(self.system, engine),
             momentum: momentum
                 .filter(|_| measured)
                 .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })

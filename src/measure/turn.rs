@@ -11,7 +11,7 @@ pub const FAR_TURN: f64 = 0.3;
 
 /// The largest turn of a body in a step so far: by its angular velocity, `h |Omega|`, and by the attitudes before and after.
 ///
-/// Every command that runs an engine warns by [`Turn::warning`]. Engines that choose steps of their own are not warned of.
+/// Every command that runs an engine warns by [`Turn::warning`]. Engines that choose steps of their own are not warned of turns.
 #[derive(Clone, Debug)]
 pub struct Turn {
     /// Step of the run, s.
@@ -46,17 +46,18 @@ impl Turn {
         self.largest
     }
 
-    /// Why the figures of the run may mislead although it went through.
-    pub fn warning(&self, system: &System) -> Option<String> {
+    /// Why the figures of the run may mislead although it went through: what the engine says itself, and far turns.
+    pub fn warning(&self, system: &System, engine: &dyn Engine) -> Option<String> {
         let far = self.fixed && self.largest > FAR_TURN;
-        far.then(|| {
+        let turns = far.then(|| {
             let below = self.step * FAR_TURN / self.largest;
             format!(
                 "body '{}' turns by {:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a step below \
                  {below:.1e} s",
                 system.bodies[self.body].name, self.largest
             )
-        })
+        });
+        [engine.warning(), turns].into_iter().flatten().reduce(|all, one| format!("{all}; {one}"))
     }
 }
 
@@ -76,7 +77,7 @@ mod tests {
             engine.write_state(&mut state);
             turn.add(&state);
             assert_eq!(turn.largest(), 0.01 * speed);
-            turn.warning(&system)
+            turn.warning(&system, &engine)
         };
         assert_eq!(warning(29.0), None);
         let words = "body 'wheel' turns by 0.60 rad in a step; energy bounds are for less than about 0.3: take a step below \

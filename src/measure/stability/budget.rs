@@ -22,6 +22,8 @@ pub fn microseconds_per_step(engine: &Spec, bodies: usize) -> f64 {
             };
             1.5 * stages * n
         }
+        ("rk4", _) => 0.2 + n,
+        ("semi_implicit_euler", _) => 0.2 + 0.7 * n,
         _ => 2.0 + 2.0 * n,
     }
 }

@@ -73,7 +73,9 @@ impl Suite {
         let mine = self.cases.iter().skip(shard.index - 1).step_by(shard.of);
         mine.flat_map(|case| {
             let steps = case.scan.steps(self.quick);
-            self.engines_of(case.family).iter().flat_map(move |engine| steps.iter().map(move |&step| Cell { case, engine, step }))
+            self.engines_of(case.family)
+                .iter()
+                .flat_map(move |engine| steps.iter().map(move |&step| Cell { case, engine, step }))
         })
         .collect()
     }
@@ -177,9 +179,10 @@ mod tests {
         let total = |costs: &[(&str, f64)]| costs.iter().map(|(_, cost)| cost).sum::<f64>();
         let (whole, quick) = (costs(&suite(false)), costs(&suite(true)));
         println!("whole {:.0} s: {whole:?}\nquick {:.0} s: {quick:?}", total(&whole), total(&quick));
-        // 30 and 2 minutes on two cores, with a third to spare.
+        // 30 and 2 minutes on two cores, with a third and a sixth to spare; most cases need either the reference or the fine
+        // runs, and both are counted: the quick suite takes 50 s of processor time.
         assert!(total(&whole) < 2400.0, "{whole:?}");
-        assert!(total(&quick) < 160.0, "{quick:?}");
+        assert!(total(&quick) < 200.0, "{quick:?}");
     }
 
     #[test]

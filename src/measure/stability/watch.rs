@@ -129,6 +129,10 @@ impl Engine for Watched<'_> {
         self.engine.position_lag_s()
     }
 
+    fn warning(&self) -> Option<String> {
+        self.engine.warning()
+    }
+
     fn chooses_its_steps(&self) -> bool {
         self.engine.chooses_its_steps()
     }

@@ -112,7 +112,10 @@ fn rules() -> Markup {
             known: the reference at two tolerances that agree, or a fine run of the core that agrees with one at half its step. "
             strong { "Bounded" } ": the energy error does not grow, comes back, or stays below " (written(MATERIAL)) " of its scale. "
             strong { "Drifting" } ", " strong { "gaining" } ", " strong { "dissipating" } ": it grows like a random walk, upwards, \
-            downwards."
+            downwards. In scenes with dampers the energy is the balance: what the dampers took out, by the velocities in the \
+            engine's own states, is added to the energy that is left. "
+            "An exclamation mark on a map is the program's own warning: bodies that turn too far in a step for energy bounds, or a \
+            linkage that passes a singular configuration within a step."
         }
     }
 }

@@ -22,9 +22,11 @@
 //! ([`Engine::position_lag_s`](crate::engines::Engine::position_lag_s)) symplecticity and reversibility are taken twice: of the
 //! states as they are, and of the same map in coordinates moved back to the time of the velocities, `theta - lag thetadot`.
 //!
-//! A point is written as `y = (theta, H^-1 p)` with the diagonal `H` of the mass matrix at the start, so that all entries
+//! In systems with loops or mimic joints the coordinates are those of independent joints. A point is written as
+//! `y = (theta, H^-1 p)` with the diagonal `H` of the mass matrix at the start, so that all entries
 //! are rad, m, rad/s or m/s; an entry `(i, j)` of the form's defect is divided by `sqrt(H_i H_j)`.
 
+mod independent;
 mod phase_chart;
 mod symplecticity;
 
@@ -32,13 +34,14 @@ use std::cell::Cell;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::trace::Limits;
 use crate::engines::{self, Spec};
 use crate::mechanics::momentum::{self, Conserved};
 use crate::mechanics::{State, System};
 
+use independent::Independent;
 pub use phase_chart::{PhaseChart, body_momenta, twists};
 pub use symplecticity::{Differenced, REACHES, defect_by, symplecticity};
 
@@ -52,7 +55,7 @@ const LEADING_STEP: f64 = 1e-3;
 /// What the steps do to the form and to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Defects {
-    /// `None` in systems with dampers, loops or mimic joints, and where a step failed.
+    /// `None` in systems with dampers, and where a step failed.
     pub symplecticity: Option<Differenced>,
     /// `None` in systems with dampers or changing drives, and where a step failed.
     pub reversibility: Option<f64>,
@@ -83,8 +86,8 @@ pub enum Failure {
     Dampers,
     #[error("with drives that change in time the exact motion is not reversible")]
     Drives,
-    #[error("with loops or mimic joints the joint coordinates are not independent: symplecticity is not measured")]
-    Dependent,
+    #[error("the loops cannot be closed as far from the state as the differences reach")]
+    Open,
     #[error("a step led to a state that is not a number")]
     NotFinite,
     #[error("the mass matrix of the joint coordinates is not positive")]
@@ -100,9 +103,11 @@ pub enum Failure {
 /// A map of states: takes the initial state of a system to the state that follows.
 pub type StateMap<'a> = dyn Fn(&System) -> Result<State, Failure> + 'a;
 
-/// Points of phase space as vectors `y`, about a state.
+/// Points of phase space as vectors `y`, about a state. `theta` and `p` are those of independent joints.
 pub(super) struct Phase<'a> {
     chart: PhaseChart<'a>,
+    /// Where joints depend on one another.
+    independent: Option<Independent>,
     /// Diagonal of the mass matrix at the start, kg or kg m^2.
     scale: DVector<f64>,
     /// s
@@ -110,18 +115,21 @@ pub(super) struct Phase<'a> {
 }
 
 impl<'a> Phase<'a> {
-    fn about(system: &'a System, state: &State, scale: &DVector<f64>, lag: f64) -> Phase<'a> {
-        Phase { chart: PhaseChart::about(system, state), scale: scale.clone(), lag }
+    fn about(system: &'a System, state: &State, scale: &DVector<f64>, lag: f64) -> Result<Phase<'a>, Failure> {
+        let chart = PhaseChart::about(system, state);
+        Ok(Phase { independent: Independent::about(&chart, state)?, chart, scale: scale.clone(), lag })
     }
 
     /// `y` of a state.
     fn point(&self, state: &State) -> Result<DVector<f64>, Failure> {
-        let mut theta = self.chart.coordinates(state);
-        let mut p = self.chart.momenta(&theta, state);
+        let all = self.chart.coordinates(state);
+        let mut p = self.restricted(&all, self.chart.momenta(&all, state))?;
+        let mut theta = self.independent.as_ref().map_or(all.clone(), |independent| independent.free(&all));
         if self.lag != 0.0 {
-            let rate = self.chart.rates(&theta, &p).ok_or(Failure::Singular)?;
+            let mass = self.mass_matrix(&all)?;
+            let rate = mass.cholesky().ok_or(Failure::Singular)?.solve(&p);
             theta.axpy(-self.lag, &rate, 1.0);
-            p = self.chart.mass_matrix(&theta) * rate;
+            p = self.mass_matrix(&self.all(theta.clone())?)? * rate;
         }
         p.component_div_assign(&self.scale);
         Ok(stack(&theta, &p))
@@ -131,9 +139,43 @@ impl<'a> Phase<'a> {
     fn system(&self, y: &DVector<f64>) -> Result<System, Failure> {
         let d = self.scale.len();
         let (mut theta, p) = (y.rows(0, d).into_owned(), y.rows(d, d).component_mul(&self.scale));
-        let rate = self.chart.rates(&theta, &p).ok_or(Failure::Singular)?;
+        let mass = self.mass_matrix(&self.all(theta.clone())?)?;
+        let rate = mass.cholesky().ok_or(Failure::Singular)?.solve(&p);
         theta.axpy(self.lag, &rate, 1.0);
-        Ok(self.chart.system_at(&theta, &rate))
+        let all = self.all(theta)?;
+        let rates = match &self.independent {
+            Some(independent) => independent.rates(&self.chart, &all)? * rate,
+            None => rate,
+        };
+        Ok(self.chart.system_at(&all, &rates))
+    }
+
+    /// The coordinates of all joints at those of the independent ones.
+    fn all(&self, theta: DVector<f64>) -> Result<DVector<f64>, Failure> {
+        match &self.independent {
+            Some(independent) => independent.close(&self.chart, &theta),
+            None => Ok(theta),
+        }
+    }
+
+    /// The momenta of the independent joints, `B^T p`, from those of all at the coordinates of all.
+    fn restricted(&self, all: &DVector<f64>, p: DVector<f64>) -> Result<DVector<f64>, Failure> {
+        match &self.independent {
+            Some(independent) => Ok(independent.rates(&self.chart, all)?.tr_mul(&p)),
+            None => Ok(p),
+        }
+    }
+
+    /// The mass matrix of the independent joints, `B^T M B`, at the coordinates of all.
+    fn mass_matrix(&self, all: &DVector<f64>) -> Result<DMatrix<f64>, Failure> {
+        let mass = self.chart.mass_matrix(all);
+        match &self.independent {
+            Some(independent) => {
+                let b = independent.rates(&self.chart, all)?;
+                Ok(b.tr_mul(&(mass * &b)))
+            }
+            None => Ok(mass),
+        }
     }
 }
 
@@ -150,9 +192,9 @@ fn turned(y: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Diagonal of the mass matrix at a state.
-fn scale_at(system: &System, state: &State) -> DVector<f64> {
-    let chart = PhaseChart::about(system, state);
-    chart.mass_matrix(&chart.coordinates(state)).diagonal()
+fn scale_at(system: &System, state: &State) -> Result<DVector<f64>, Failure> {
+    let phase = Phase::about(system, state, &DVector::zeros(0), 0.0)?;
+    Ok(phase.mass_matrix(&phase.chart.coordinates(state))?.diagonal())
 }
 
 /// The largest entry of `R Phi R Phi z - z` at a state.
@@ -160,11 +202,11 @@ fn scale_at(system: &System, state: &State) -> DVector<f64> {
 /// # Errors
 /// Those of the map.
 pub fn reversibility(system: &System, state: &State, lag: f64, map: &StateMap) -> Result<f64, Failure> {
-    let scale = scale_at(system, state);
-    let here = Phase::about(system, state, &scale, lag);
+    let scale = scale_at(system, state)?;
+    let here = Phase::about(system, state, &scale, lag)?;
     let start = here.point(state)?;
     let end = map(&here.system(&start)?)?;
-    let there = Phase::about(system, &end, &scale, lag);
+    let there = Phase::about(system, &end, &scale, lag)?;
     let back = map(&there.system(&turned(&there.point(&end)?))?)?;
     Ok((turned(&here.point(&back)?) - start).amax())
 }
@@ -205,10 +247,7 @@ pub fn examine(
     };
     found.memory = steps.memory(state).map_err(&mut keep).ok();
     let mut defects = |lag: f64| Defects {
-        symplecticity: symplectic(system)
-            .and_then(|()| symplecticity(system, state, lag, &map))
-            .map_err(&mut keep)
-            .ok(),
+        symplecticity: undamped(system).and_then(|()| symplecticity(system, state, lag, &map)).map_err(&mut keep).ok(),
         reversibility: reversible(system)
             .and_then(|()| reversibility(system, state, lag, &map))
             .map_err(&mut keep)
@@ -219,13 +258,6 @@ pub fn examine(
     found.momentum_map = steps.momentum_error();
     found.detail = (!reasons.is_empty()).then(|| reasons.join("; "));
     (!limits.interrupted.load(Ordering::Relaxed)).then_some(found)
-}
-
-/// Whether the exact motion is symplectic and its form can be had in joint coordinates.
-fn symplectic(system: &System) -> Result<(), Failure> {
-    undamped(system)?;
-    let dependent = !(system.parts.loops.is_empty() && system.parts.couplings.is_empty());
-    if dependent { Err(Failure::Dependent) } else { Ok(()) }
 }
 
 /// Whether the exact motion is reversible.
@@ -296,14 +328,14 @@ impl<'a> Steps<'a> {
 
     /// The largest entry of `Phi_2 z - Phi Phi z`.
     fn memory(&self, state: &State) -> Result<f64, Failure> {
-        let scale = scale_at(self.system, state);
-        let here = Phase::about(self.system, state, &scale, 0.0);
+        let scale = scale_at(self.system, state)?;
+        let here = Phase::about(self.system, state, &scale, 0.0)?;
         let start = here.system(&here.point(state)?)?;
         let first = self.taken(&start, STEPS)?;
-        let middle = Phase::about(self.system, &first, &scale, 0.0);
+        let middle = Phase::about(self.system, &first, &scale, 0.0)?;
         let anew = self.taken(&middle.system(&middle.point(&first)?)?, STEPS)?;
         let in_one = self.taken(&start, 2 * STEPS)?;
-        let there = Phase::about(self.system, &anew, &scale, 0.0);
+        let there = Phase::about(self.system, &anew, &scale, 0.0)?;
         Ok((there.point(&in_one)? - there.point(&anew)?).amax())
     }
 }

@@ -54,6 +54,15 @@ impl<'a> PhaseChart<'a> {
         PhaseChart { system, centre }
     }
 
+    pub(super) fn system(&self) -> &'a System {
+        self.system
+    }
+
+    /// Place among the coordinates of the first one of a body's joint.
+    pub(super) fn first(&self, body: usize) -> usize {
+        self.system.bodies[..body].iter().map(|b| b.joint.kind.degrees_of_freedom()).sum()
+    }
+
     /// Number of coordinates of the joints of the tree, d.
     pub fn dimension(&self) -> usize {
         self.system.bodies.iter().map(|b| b.joint.kind.degrees_of_freedom()).sum()
@@ -145,11 +154,6 @@ impl<'a> PhaseChart<'a> {
     /// count as far as they do work on the coordinates.
     pub fn momenta(&self, theta: &DVector<f64>, state: &State) -> DVector<f64> {
         self.jacobian(theta).tr_mul(&body_momenta(self.system, state, &twists(state)))
-    }
-
-    /// Rates that belong to conjugate momenta, `(J^T M J)^-1 p`. `None` where the mass matrix is not positive.
-    pub fn rates(&self, theta: &DVector<f64>, p: &DVector<f64>) -> Option<DVector<f64>> {
-        Some(self.mass_matrix(theta).cholesky()?.solve(p))
     }
 }
 

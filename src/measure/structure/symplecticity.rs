@@ -77,11 +77,11 @@ struct Step<'a> {
 
 impl<'a> Step<'a> {
     fn new(system: &'a System, state: &State, lag: f64, map: &'a StateMap<'a>) -> Result<Step<'a>, Failure> {
-        let scale = scale_at(system, state);
-        let here = Phase::about(system, state, &scale, lag);
+        let scale = scale_at(system, state)?;
+        let here = Phase::about(system, state, &scale, lag)?;
         let start = here.point(state)?;
         let end = map(&here.system(&start)?)?;
-        Ok(Step { map, there: Phase::about(system, &end, &scale, lag), here, start, scale })
+        Ok(Step { map, there: Phase::about(system, &end, &scale, lag)?, here, start, scale })
     }
 
     /// `A` by differences.

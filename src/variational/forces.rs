@@ -20,12 +20,11 @@
 //! projection finds,
 //!
 //! ```text
-//! S . w1 = h/2 (u(t_m) - k Delta0) - (h k/4 + (1 - w) c/2) d - w h c/2 thetadot1 ,   w = z^2 / (1 + z^2) ,   z = h c / J     (2)
+//! S . w1 = h/2 (u(t_m) - k Delta0) - (h k/4 + (1 - w) c/2) d - w h c/2 thetadot1 ,   w = max(0, 1 - 1/z^2) ,   z = h c / J     (2)
 //! ```
 //!
-//! with `J` the articulated inertia along the joint at the start. The change of the impulse is `w h c/2 (thetadot1 - d/h)`, of
-//! order 4 in `h`, so that the order stays 2; a velocity along the joint decays by `1 / (1 + z/2)^2` a step as `z` grows. Where
-//! there is no damper, or its rate is far below `1/h`, nothing changes.
+//! with `J` the articulated inertia along the joint at the start. A velocity along the joint decays by `1 / (1 + z/2)^2` a step
+//! as `z` grows, and not by -1. Where the damper's rate `c / J` is below `1/h` nothing changes, so that the order stays 2.
 //!
 //! The quadrature is the midpoint rule, in position and in time: of order 2, and its own adjoint, so that the step stays
 //! time-reversible and composes to higher order. A substep backwards in time evaluates the drive at its own midpoint.
@@ -124,8 +123,7 @@ impl JointForce {
         self.constant = 0.5 * h * (effort - self.stiffness * self.deflection.value.x);
         self.slope = 0.25 * h * self.stiffness + 0.5 * self.damping;
         let z = h * self.damping / self.inertia;
-        // z^2 / (1 + z^2) for every z
-        self.late = 0.5 * self.damping / (1.0 + 1.0 / (z * z));
+        self.late = 0.5 * self.damping * (1.0 - 1.0 / (z * z)).max(0.0);
     }
 
     /// What it adds to `D` in the projection at the end of a step of size `h`, by (2).

@@ -49,7 +49,10 @@ fn a_step_allocates_nothing() {
         "explicit_euler",
     ];
     let cases = specs.map(|text| (chain(&joints), text));
-    for (scene, text) in cases.into_iter().chain([(damped.clone(), "rattle"), (damped, "galerkin")]) {
+    let mut whirl = alternating(2);
+    whirl.initial[0].velocity = vec![30.0];
+    let more = [(damped.clone(), "rattle"), (damped, "galerkin"), (whirl, "rattle:method=energy_momentum")];
+    for (scene, text) in cases.into_iter().chain(more) {
         let system = compile(&scene);
         let before = ALLOCATIONS.get();
         let mut engine = engines::build(&Spec::parse(text).unwrap(), &system, 1e-3).unwrap();

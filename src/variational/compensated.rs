@@ -27,6 +27,12 @@ impl<const N: usize> Compensated<N> {
         self.value + (increment + self.rest)
     }
 
+    /// What did not fit into the value.
+    #[inline(always)]
+    pub(super) fn rest(&self) -> &SVector<f64, N> {
+        &self.rest
+    }
+
     /// Drops what did not fit, as a plain sum does.
     pub(super) fn forget(&mut self) {
         self.rest = SVector::zeros();

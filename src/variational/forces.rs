@@ -160,6 +160,11 @@ impl JointForce {
         2.0 / h * self.impulse.dot(&self.travel)
     }
 
+    /// The potential of the springs in the middle of the last step, `k/2 (Delta0 + d/2)^2`, J.
+    pub(super) fn potential(&self) -> f64 {
+        0.5 * self.stiffness * (self.deflection.value.x - 0.5 * self.travel.x).powi(2)
+    }
+
     /// The impulse of the second half kick, on the child about its joint point, but for what goes with the velocity at the end.
     pub(super) fn second_half(&self, node: &Node, place: &Place) -> Wrench {
         along_joint(node, place, &(self.impulse + self.late * self.travel))

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
+use super::compensated::Compensated3;
 use super::spatial::{Spatial, Twist, Wrench};
 use crate::mechanics::{JointKind, System};
 
@@ -14,6 +15,8 @@ pub(super) struct Node {
     pub mass: f64,
     /// Principal moments, kg m^2.
     pub inertia: Vector3<f64>,
+    /// One over the smallest of them, 1/(kg m^2).
+    pub thinnest: f64,
     /// Origin of the joint frame in the body frame, m.
     pub arm: Vector3<f64>,
     /// Axes of the joint frame in the body frame.
@@ -37,6 +40,7 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         kind: JointKind::Floating,
         mass: f64::INFINITY,
         inertia: Vector3::repeat(f64::INFINITY),
+        thinnest: 0.0,
         arm: Vector3::zeros(),
         frame: Matrix3::identity(),
         parent_arm: Vector3::zeros(),
@@ -59,6 +63,7 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
             kind: joint.kind,
             mass: body.mass,
             inertia: body.inertia,
+            thinnest: 1.0 / body.inertia.min(),
             arm,
             frame: joint.in_child.rotation.to_rotation_matrix().into_inner(),
             parent_arm,
@@ -74,8 +79,9 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
 /// Where a body is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
-    /// Centre of mass, m.
+    /// Centre of mass, m, and what did not fit into it.
     pub x: Vector3<f64>,
+    rest: Vector3<f64>,
     /// Attitude, quaternion coordinates (i, j, k, w).
     pub q: Vector4<f64>,
     /// The same as a matrix, body axes to world axes.
@@ -85,14 +91,26 @@ pub(super) struct Pose {
 impl Pose {
     pub(super) const GROUND: Pose = Pose {
         x: Vector3::new(0.0, 0.0, 0.0),
+        rest: Vector3::new(0.0, 0.0, 0.0),
         q: Vector4::new(0.0, 0.0, 0.0, 1.0),
         r: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
     };
 
     #[inline(always)]
-    pub(super) fn new(x: Vector3<f64>, q: Vector4<f64>) -> Pose {
+    pub(super) fn new(x: &Compensated3, q: Vector4<f64>) -> Pose {
         let r = UnitQuaternion::new_unchecked(Quaternion::from(q)).to_rotation_matrix().into_inner();
-        Pose { x, q, r }
+        Pose { x: x.value, rest: *x.rest(), q, r }
+    }
+
+    /// The same somewhere else.
+    pub(super) fn moved(&self, dx: &Vector3<f64>, r: Matrix3<f64>) -> Pose {
+        Pose { x: self.x + dx, r, ..*self }
+    }
+
+    /// The way from another body's centre of mass, to the roundoff of that way and not of the positions.
+    #[inline(always)]
+    pub(super) fn way_from(&self, other: &Pose) -> Vector3<f64> {
+        (self.x - other.x) + (self.rest - other.rest)
     }
 }
 
@@ -118,7 +136,7 @@ impl Place {
         let offset = match node.kind {
             JointKind::Revolute | JointKind::Spherical => parent.r * node.parent_arm - parent_arm_at,
             JointKind::Prismatic | JointKind::Planar | JointKind::Floating => {
-                (pose.x - parent.x) + (arm - parent_arm_at)
+                pose.way_from(parent) + (arm - parent_arm_at)
             }
         };
         Place { arm, offset, axes: parent.r * node.parent_frame }
@@ -129,7 +147,7 @@ impl Place {
 /// rotation part is exact to first order, and zero exactly where the joint holds.
 #[inline(always)]
 pub(super) fn mismatch(node: &Node, pose: &Pose, parent: &Pose) -> Twist {
-    let gap = || (pose.x - parent.x) + (pose.r * node.arm - parent.r * node.parent_arm);
+    let gap = || pose.way_from(parent) + (pose.r * node.arm - parent.r * node.parent_arm);
     // The z axes of both joint frames: their cross product turns the parent's into the child's.
     let axis = || parent.r * node.parent_frame.column(2);
     let tilt = |axis: &Vector3<f64>| axis.cross(&(pose.r * node.frame.column(2)));
@@ -227,7 +245,7 @@ impl Moved {
         let gap = (child.dx - parent.dx) + (child.turned(&place.arm) - parent.turned(&(parent_arm + place.offset)));
         // (1, -b) (1, a) = (1 + a.b, a - b - b x a)
         let (a, b) = (&child.s, &parent.s);
-        Moved { gap, turn: (a - b - b.cross(a)) / (1.0 + a.dot(b)) }
+        Moved { gap, turn: (a - b - b.cross(a)) * (1.0 / (1.0 + a.dot(b))) }
     }
 
     /// The part that the joint does not allow; zero exactly where the joint still holds.

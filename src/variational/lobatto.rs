@@ -175,7 +175,7 @@ impl Lobatto {
             body.x.add(&dx);
             body.q.add(&rotation_increment(&pose.q, &s));
             body.q.add(&norm_defect(&body.q.value));
-            *pose = Pose::new(body.x.value, body.q.value);
+            *pose = Pose::new(&body.x, body.q.value);
         }
         self.factorise()?;
         self.project_momenta();
@@ -288,7 +288,7 @@ impl Lobatto {
         if node == 0 {
             return Pose::GROUND;
         }
-        Pose { x: pose.x + stage.dx, q: pose.q, r: pose.r + pose.r * self.attitudes[node].turn[k] }
+        pose.moved(&stage.dx, pose.r + pose.r * self.attitudes[node].turn[k])
     }
 
     /// (1) and (2) with the present forces of the joints.

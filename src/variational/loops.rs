@@ -52,6 +52,8 @@ pub(super) struct Loops {
     /// What the rows are short of, m or rad, as measured and as far as impulses can change it.
     gap: Vec<f64>,
     reachable: Vec<f64>,
+    /// By how much a spring's gap moves the bodies, over the gap: 1 where it is rigid, 0 where it has no stiffness.
+    grip: Vec<f64>,
     x: Vec<f64>,
     compliance: Vec<f64>,
     /// The Schur complement of the constraints, and of all rows in the first half kick where there are springs or the joints
@@ -73,7 +75,7 @@ pub(super) struct Loops {
     /// explains, and the largest of the steps that were taken with its time (s), once past [`JUMP`].
     tried_jump: f64,
     jump: Option<(f64, f64)>,
-    /// The same for each spring: its impulse of a half kick, and how fast it gets longer.
+    /// The same for each row of a spring: its impulse of a half kick, and how fast it gets longer.
     last_pulls: Vec<(f64, f64)>,
     tried_pulls: Vec<(f64, f64)>,
 }
@@ -105,6 +107,7 @@ impl Loops {
                 nu: vec![0.0; rows],
                 gap: vec![0.0; rows],
                 reachable: vec![0.0; rows],
+                grip: vec![1.0; rows],
                 x: vec![0.0; rows],
                 compliance: vec![0.0; springs],
                 hold: Schur::new(tree, rigid, 0),
@@ -164,8 +167,16 @@ impl Loops {
     ) {
         if let Some(drift) = &mut self.drift {
             let springs = self.bonds.iter().filter(|bond| bond.is_spring());
-            self.compliance.iter_mut().zip(springs).for_each(|(epsilon, bond)| *epsilon = bond.compliance(h));
+            let compliances = springs.flat_map(|bond| bond.compliances(h));
+            self.compliance.iter_mut().zip(compliances).for_each(|(epsilon, of_row)| *epsilon = of_row);
             drift.factorise(tree, nodes, places, &self.rows, &self.compliance, mobility);
+            for (spring, epsilon) in self.compliance.iter().enumerate() {
+                let mobility = drift.mobility(self.rigid + spring);
+                self.grip[self.rigid + spring] = mobility / (mobility + epsilon.abs());
+            }
+            for bond in self.bonds.iter_mut().filter(|bond| bond.is_spring() && !bond.rows().is_empty()) {
+                bond.measure_stiffness(h, drift.mobility(bond.rows().start));
+            }
         }
     }
 
@@ -214,20 +225,26 @@ impl Loops {
         let mut roundoff = 0.0_f64;
         for bond in &mut self.bonds {
             let rows = bond.rows();
-            let noise = bond.measure(h, nodes, places, motion, &self.nu[rows.clone()], &mut self.gap[rows]);
+            let grip = self.grip[rows.clone()].iter().fold(0.0_f64, |a, b| a.max(*b));
+            let noise = bond.measure(h, nodes, places, motion, (&self.nu[rows.clone()], grip), &mut self.gap[rows]);
             // What is not a number stays.
             roundoff = if noise > roundoff || noise.is_nan() { noise } else { roundoff };
         }
         self.reachable.copy_from_slice(&self.gap);
         self.drift.as_mut().unwrap_or(&mut self.hold).keep_reachable(&mut self.reachable);
+        self.reachable.iter_mut().zip(&self.grip).for_each(|(gap, grip)| *gap *= grip);
         let (bond, size) = worst(&self.bonds, nodes, &self.reachable, length);
         Worst { bond, size, roundoff }
     }
 
-    /// The bond that stays open although no impulse can close it further, and by how much, m.
+    /// The bond that stays open although no impulse can close it further, and by how much, m; or a spring whose points would
+    /// pass each other.
     pub(super) fn contradiction(&mut self, nodes: &[Node], length: f64) -> Option<(usize, f64)> {
-        let (bond, size) = worst(&self.bonds, nodes, &self.gap, length);
-        (!(size <= CONTRADICTION * length)).then_some((bond, size))
+        let rigid = self.bonds.partition_point(|bond| !bond.is_spring());
+        let (bond, size) = worst(&self.bonds[..rigid], nodes, &self.gap, length);
+        let passed = self.bonds.iter().position(|bond| bond.passed() > 0.0);
+        let open = (!(size <= CONTRADICTION * length)).then_some((bond, size));
+        open.or(passed.map(|bond| (bond, self.bonds[bond].passed())))
     }
 
     /// Keeps the twists at the joint points of the first pass of a solve.
@@ -322,6 +339,7 @@ impl Loops {
         self.predictor.copy_from(&other.predictor);
         (self.last, self.tried) = (other.last, other.tried);
         (self.jump, self.tried_jump) = (other.jump, other.tried_jump);
+        self.last_pulls.copy_from_slice(&other.last_pulls);
     }
 
     /// The largest part of the kinetic energy that a step took from nowhere or lost, and its time, s: where a linkage passed a
@@ -349,8 +367,9 @@ impl Loops {
         }
         (self.tried, self.tried_jump) = (energy, 0.0);
         let springs = self.bonds.iter().filter(|bond| bond.is_spring());
-        for ((pull, nu), bond) in self.tried_pulls.iter_mut().zip(&self.nu[self.rigid..]).zip(springs) {
-            *pull = (*nu, bond.rate(h));
+        let rates = springs.flat_map(|bond| (0..bond.rows().len()).map(move |row| bond.rate(row, h)));
+        for ((pull, nu), rate) in self.tried_pulls.iter_mut().zip(&self.nu[self.rigid..]).zip(rates) {
+            *pull = (*nu, rate);
         }
         let last = self.last?;
         let gained = energy.kinetic - last.kinetic - 0.5 * (energy.work + last.work) - self.work_of_springs();
@@ -359,6 +378,11 @@ impl Loops {
         let turning = energy.fall + last.fall + energy.work.abs() + last.work.abs();
         self.tried_jump = if kinetic > 0.0 { (gained.abs() - turning) / kinetic } else { 0.0 };
         (gained.abs() > LEAP * kinetic + turning).then_some(gained / kinetic)
+    }
+
+    /// The potential of the springs between points in the middle of the last step, J.
+    pub(super) fn potential(&self) -> f64 {
+        self.bonds.iter().map(Bond::potential).sum()
     }
 
     /// Work of the springs from the middle of the last step to that of the one that is being tried: their impulses in the two

@@ -25,65 +25,43 @@
 //! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
+mod correct;
+mod energy;
+mod failure;
 mod faults;
+mod leaps;
 mod light;
 mod node;
+mod project;
+mod solve;
+mod switching;
 
-use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
+pub use failure::Failure;
+pub(super) use project::world_inertia;
+pub(super) use solve::MOST_ROUNDS;
 
-use super::bonds::Trying;
+use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector3, Vector4};
+
 use super::compensated::{Compensated, Compensated3};
 use super::fault::Fault;
 use super::forces::{JointForce, joint_forces};
-use super::joints::{Motion, Moved, Node, Place, Pose, coordinates_of, keep_locked, mismatch, nodes};
-use super::loops::{Loops, StepEnergy, Worst};
+use super::joints::{Motion, Node, Place, Pose, nodes};
+use super::loops::Loops;
 use super::method::Method;
-use super::newton::{Newton, Tried, turning_inertia};
+use super::newton::Newton;
 use super::predictor::Predictor;
 use super::rotation::Rotation;
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tree::{Singular, Tree};
-use crate::mechanics::{BodyState, JointKind, State, System};
-
-/// Rounds of the chord iteration after which a step is given up.
-pub(super) const MOST_ROUNDS: usize = 60;
+use crate::mechanics::{BodyState, State, System};
+use project::mobility;
+use switching::rules;
 
 /// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is known
 /// to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the step,
 /// into the momenta. The noise has a bias, and the energy drifts in proportion to this rate: at 1e-3 a pendulum loses 1.3e-20
 /// of its energy scale a step, at 1e-4 2.8e-21, below that nothing is left of it.
 pub(super) const RETURN: f64 = 3e-5;
-
-/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions.
-const NEGLIGIBLE: f64 = 0.01;
-
-/// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
-const FAST: f64 = 0.25;
-
-/// The part of the kinetic energy between the half kicks that may be that of the kick: of a first solution, and of one that no
-/// lower degree of the extrapolation betters. In whips of 10 to 50 links with `h |Omega|` near 1 right solutions have up to
-/// 0.31, those that were refused 0.33 to 0.94; with a bound of 0.4 a planar whip of 10 links leaps.
-const KICKED: (f64, f64) = (0.3, 0.32);
-
-/// Why a step could not be taken. Bodies and joints are named by the index of the body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Failure {
-    /// The body turns too far in one step for the rotation rule to have a solution.
-    Rotation { body: usize, angle: f64 },
-    /// The constraint iteration stopped contracting.
-    Constraint { joint: usize, rounds: usize, residual: f64 },
-    /// A loop, coupling or spring does not close, or cannot: the index among loops, then couplings, then springs.
-    Loop { index: usize, rounds: usize, residual: f64 },
-    /// The step would go to another solution of its equations, with this part of the kinetic energy from nowhere: near a
-    /// singular configuration of a linkage, or with `h |Omega|` near 1.
-    Leap { gained: f64 },
-    /// An adaptive step (s) has become too short for the time to advance.
-    Stalled { step: f64 },
-    /// A joint can move without moving any mass.
-    Singular { joint: usize },
-    /// A body's state stopped being a number.
-    NotFinite { body: usize },
-}
 
 /// Position and momentum of a body, as running compensated sums.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +81,6 @@ struct Trial {
     kick: Wrench,
     /// Change of position and attitude over the step.
     motion: Motion,
-    /// What roundoff may do to the motion, over `f64::EPSILON`, m.
-    roundoff: f64,
     /// `h m0` and its solution `s` of the rotation rule; the next solution starts from them.
     hm: Vector3<f64>,
     s: Vector3<f64>,
@@ -179,13 +155,7 @@ impl Rattle {
         let mut nodes = nodes(system);
         let forces = joint_forces(system, state, &mut nodes);
         let n = nodes.len();
-        let rest = Trial {
-            kick: Spatial::ZERO,
-            motion: Motion::NONE,
-            roundoff: 0.0,
-            hm: Vector3::zeros(),
-            s: Vector3::zeros(),
-        };
+        let rest = Trial { kick: Spatial::ZERO, motion: Motion::NONE, hm: Vector3::zeros(), s: Vector3::zeros() };
         let (bodies, pose) = bodies(system, state);
         let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
         let length = if arms > 0.0 { arms / (n - 1) as f64 } else { 1.0 };
@@ -244,23 +214,6 @@ impl Rattle {
         Rattle { method, ..self }
     }
 
-    /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
-    pub fn with_rotation(self, rotation: Rotation) -> Rattle {
-        Rattle { rules: rules(&self.nodes, rotation), automatic: false, ..self }
-    }
-
-    /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
-    /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
-    /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
-    pub fn with_automatic_rotation(self) -> Rattle {
-        Rattle { rules: rules(&self.nodes, Rotation::MoserVeselov), automatic: true, ..self }
-    }
-
-    /// The bodies that [`Rattle::with_automatic_rotation`] has moved to the splitting, by index, and when (s).
-    pub fn switched(&self) -> &[(usize, f64)] {
-        &self.switched
-    }
-
     /// Lets the constraint iteration stop at a residual (m; angles times the mean length of a link) instead of at roundoff.
     /// That costs the long-time behaviour: the energy drifts by what the residuals leave out, always to the same side.
     pub fn with_tolerance(self, tolerance: f64) -> Rattle {
@@ -294,7 +247,7 @@ impl Rattle {
             body.x.add(&trial.motion.dx); // (2)
             body.q.add(&rotation_increment(&pose.q, &trial.s));
             body.q.add(&norm_defect(&body.q.value));
-            *pose = Pose::new(body.x.value, body.q.value);
+            *pose = Pose::new(&body.x, body.q.value);
         }
         if self.fault.is_some() {
             self.do_wrong(h);
@@ -313,413 +266,6 @@ impl Rattle {
         let implicit = |i: usize| nodes[i].force.map_or(0.0, |k| forces[k].implicit(h));
         tree.factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), implicit)
             .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
-    }
-
-    /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
-    fn solve_or_switch(&mut self, h: f64) -> Result<(), Failure> {
-        let before = self.switched.len();
-        loop {
-            let failure = match self.solve_constraints(h) {
-                Err(failure) if self.automatic => failure,
-                result => return result,
-            };
-            let body = match failure {
-                Failure::Rotation { body, .. } => Some(body),
-                Failure::Constraint { .. } | Failure::Loop { .. } => self.fastest_turning(),
-                Failure::Leap { .. }
-                | Failure::Stalled { .. }
-                | Failure::Singular { .. }
-                | Failure::NotFinite { .. } => None,
-            };
-            match body {
-                Some(body) if self.rules[body + 1] == Rotation::MoserVeselov => {
-                    self.rules[body + 1] = Rotation::Splitting;
-                    self.switched.push((body, self.time.value.x));
-                }
-                _ => {
-                    for (body, _) in self.switched.drain(before..) {
-                        self.rules[body + 1] = Rotation::MoserVeselov;
-                    }
-                    return Err(failure);
-                }
-            }
-        }
-    }
-
-    /// The body that turns most in the step that was tried last, by more than [`FAST`], of those that can go over to the
-    /// splitting.
-    fn fastest_turning(&self) -> Option<usize> {
-        let turn = |i: &usize| self.trial[*i].s.norm();
-        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] == Rotation::MoserVeselov);
-        candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
-    }
-
-    /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
-    fn solve_constraints(&mut self, h: f64) -> Result<(), Failure> {
-        // A high degree starts closer, a low one survives a violent moment.
-        let mut degree = self.predictor.degree().filter(|_| self.carried.is_none());
-        loop {
-            match degree {
-                Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
-                None => self.wrench.fill(Spatial::ZERO),
-            }
-            if let Some(loops) = &mut self.loops {
-                loops.predict(self.time.value.x, h, degree);
-            }
-            let forced = !self.forces.is_empty();
-            for (i, node) in self.nodes.iter().enumerate().skip(1) {
-                if !(forced && node.force.is_some()) {
-                    keep_locked(node, &self.places[i], &mut self.wrench[i]);
-                }
-            }
-            match (self.iterate(h, if degree.is_some() { KICKED.0 } else { KICKED.1 }), degree) {
-                (Err(_), Some(used)) => degree = used.checked_sub(1),
-                (result, _) => return result,
-            }
-        }
-    }
-
-    /// The chord iteration, down to roundoff; `kicked` is the bound of [`Rattle::refuse_leap`].
-    fn iterate(&mut self, h: f64, kicked: f64) -> Result<(), Failure> {
-        let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
-        self.start_light(h);
-        loop {
-            self.kick_and_drift(h)?;
-            let (mut place, mut residual, mut roundoff) = self.measure_mismatch(h);
-            if let Some(worst) = self.measure_loops(h) {
-                roundoff = roundoff.max(f64::EPSILON * worst.roundoff);
-                if !(worst.size <= residual) {
-                    (place, residual) = (Open::Loop(worst.bond), worst.size);
-                }
-            }
-            if !residual.is_finite() {
-                let body = if let Open::Joint(body) = place { body } else { 0 };
-                return Err(Failure::NotFinite { body });
-            }
-            // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
-            let near = if exact { 1e4 } else { 64.0 };
-            let stagnant = residual > 0.3 * last && residual <= near * roundoff;
-            if stagnant || residual <= self.tolerance {
-                return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
-            }
-            // What a residual at roundoff leaves out has the same sign for many steps: the energy drifts unless it is corrected.
-            let predicted = if rounds == 0 { residual } else { residual * (residual / last) };
-            let last_round = residual <= roundoff || predicted <= NEGLIGIBLE * roundoff;
-            let slow = residual > 0.2 * last;
-            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
-                return Err(place.failure(rounds, residual));
-            }
-            exact |= slow && rounds >= 3;
-            if exact {
-                // A block that has no inverse there says nothing about the system, only that the step is too long.
-                self.relinearise_and_correct(h).map_err(|_| place.failure(rounds, residual))?;
-            } else {
-                self.correct(h)
-            }
-            (last, rounds) = (residual, rounds + 1);
-            self.rounds += 1;
-            if last_round {
-                self.kick_and_drift(h)?;
-                // Springs, drives and loops keep what they measured for the second half kick.
-                if !self.forces.is_empty() {
-                    self.measure_mismatch(h);
-                }
-                self.measure_loops(h);
-                return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
-            }
-        }
-    }
-
-    /// (1) and (2) with the present wrenches.
-    fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
-        let (part, _) = self.method.parts();
-        for i in 1..self.nodes.len() {
-            self.trial[i].kick = Spatial::new(part * h * self.nodes[i].mass * self.gravity, Vector3::zeros());
-        }
-        for i in 1..self.nodes.len() {
-            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
-        }
-        if let Some(loops) = &self.loops {
-            loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
-        }
-        if let Some(carried) = &self.carried {
-            self.trial.iter_mut().zip(carried).for_each(|(trial, impulse)| trial.kick += *impulse);
-        }
-        for i in 1..self.nodes.len() {
-            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
-            if node.light {
-                continue;
-            }
-            trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
-            let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
-            let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
-            trial.s = match self.rules[i].solve(&node.inertia, &hm, &start) {
-                Some(s) => s,
-                None => {
-                    let angle = hm.component_div(&node.inertia).norm();
-                    (trial.s, trial.hm) = (Vector3::zeros(), Vector3::zeros());
-                    return Err(Failure::Rotation { body: i - 1, angle });
-                }
-            };
-            trial.hm = hm;
-            trial.motion.s = pose.r * trial.s;
-            trial.roundoff = trial.motion.dx.norm()
-                + self.length * hm.norm() / node.inertia.min()
-                + self.wrench[i].linear.norm() * (h.abs() / node.mass);
-        }
-        Ok(())
-    }
-
-    /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
-    /// the system's length), and how small roundoff lets it become.
-    fn measure_mismatch(&mut self, h: f64) -> (Open, f64, f64) {
-        // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
-        let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
-        for i in 1..self.nodes.len() {
-            let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
-            let parent = &self.trial[node.parent].motion;
-            let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
-            let gap = moved.locked(node, place, parent) + self.gap0[i];
-            let size = gap.linear.norm() + self.length * gap.angular.norm();
-            self.bias[i] = gap.scaled(-1.0 / h);
-            // What is not a number stays the worst.
-            if size > worst || !(size + trial.roundoff).is_finite() {
-                (worst, joint) = (size + 0.0 * trial.roundoff, i - 1);
-            }
-            roundoff = trial.roundoff.max(roundoff);
-        }
-        if !self.forces.is_empty() {
-            self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);
-        }
-        if !self.light.is_empty() {
-            let (body, size, noise) = self.measure_imbalance(h);
-            roundoff = roundoff.max(noise / f64::EPSILON);
-            if !(size <= worst) {
-                (worst, joint) = (size, body);
-            }
-        }
-        (Open::Joint(joint), worst, f64::EPSILON * roundoff)
-    }
-
-    fn measure_loops(&mut self, h: f64) -> Option<Worst> {
-        let trial = &self.trial;
-        let loops = self.loops.as_mut()?;
-        Some(loops.measure(h, &self.nodes, &self.places, &|i| trial[i].motion, self.length))
-    }
-
-    /// Fails where redundant rows contradict each other, so that no impulse closes the loop, and where a linkage leaps.
-    fn refuse_false_solutions(&mut self, h: f64, rounds: usize, kicked: Option<f64>) -> Result<(), Failure> {
-        let Some(mut loops) = self.loops.take() else {
-            return kicked.map_or(Ok(()), |kicked| self.refuse_leap(h, kicked));
-        };
-        let open = loops.contradiction(&self.nodes, self.length);
-        let open = open.map(|(index, residual)| Failure::Loop { index, rounds, residual });
-        let leap = loops.leap(h, self.step_energy(h)).map(|gained| Failure::Leap { gained });
-        self.loops = Some(loops);
-        open.or(leap).map_or(Ok(()), Err)
-    }
-
-    /// Fails where the exact linearisation has found a false solution. The joints' impulses do no work on the velocities at the
-    /// start, so the kinetic energy between the half kicks is that of the start, half the work of the step, and the energy of
-    /// the kick alone, a part `sin^2` of the angle by which the kick turns the momentum. Linkages compare two steps instead.
-    fn refuse_leap(&self, h: f64, kicked: f64) -> Result<(), Failure> {
-        let (energy, start) = (self.step_energy(h), self.kinetic_energy());
-        let (gained, kinetic) = (energy.kinetic - start - 0.5 * energy.work, energy.kinetic.max(start));
-        if gained.abs() <= kicked * kinetic + energy.fall {
-            Ok(())
-        } else {
-            Err(Failure::Leap { gained: gained / kinetic })
-        }
-    }
-
-    /// Kinetic energy of the momenta at the start of the step, J.
-    fn kinetic_energy(&self) -> f64 {
-        let moving = self.nodes.iter().zip(&self.bodies).zip(&self.pose).skip(1);
-        moving.map(|((node, body), pose)| kinetic_energy(node, &body.p.value, &pose.r.tr_mul(&body.pi.value))).sum()
-    }
-
-    /// The energies of the step that is being tried.
-    fn step_energy(&self, h: f64) -> StepEnergy {
-        let mut sum = StepEnergy::default();
-        for i in 1..self.nodes.len() {
-            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
-            sum.kinetic += if node.light {
-                let Spatial { linear, angular } = self.momentum_of_motion(i, h);
-                kinetic_energy(node, &linear, &self.pose[i].r.tr_mul(&angular))
-            } else {
-                kinetic_energy(node, &body.p.plus(&trial.kick.linear), &(trial.hm / h))
-            };
-            sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
-            sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
-        }
-        sum.work += self.forces.iter().map(|force| force.work(h)).sum::<f64>();
-        sum
-    }
-
-    /// The same for what acts along the joints: by how far the joint would move if the impulse were right.
-    fn measure_excess(&mut self, h: f64, (joint, worst): (&mut usize, &mut f64), roundoff: &mut f64) {
-        for (i, k) in (1..self.nodes.len()).filter_map(|i| Some((i, self.nodes[i].force?))) {
-            let (node, place, parent) = (&self.nodes[i], &self.places[i], self.nodes[i].parent);
-            let (motion, carried) = (&self.trial[i].motion, &self.trial[parent].motion);
-            let travel = Moved::new(place, &self.places[parent].arm, motion, carried).travel(node, place, carried);
-            let impulse = coordinates_of(node, place, &self.wrench[i]);
-            self.along[i] = self.forces[k].excess(travel, impulse);
-            let effect = h.abs() * self.compliance(i);
-            let size = effect * self.along[i].norm();
-            if size > *worst || !size.is_finite() {
-                (*worst, *joint) = (size, i - 1);
-            }
-            *roundoff = roundoff.max(effect * impulse.norm());
-        }
-    }
-
-    /// (3): one round of the chord iteration.
-    fn correct(&mut self, h: f64) {
-        let Some(mut loops) = self.loops.take() else {
-            if self.light.is_empty() {
-                self.correct_tree(|_, _| ());
-            } else {
-                self.correct_loaded(h);
-            }
-            return;
-        };
-        let twist = loops.first_pass();
-        self.correct_tree(|i, v| twist[i] = *v);
-        let (tree, wrench) = (self.implicit.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
-        loops.correct(h, tree, &self.nodes, &self.places, |i, f| wrench[i] += f);
-        self.loops = Some(loops);
-    }
-
-    /// The part of it that the tree does alone; `twist(i, v)` gets the twists at the joint points.
-    fn correct_tree(&mut self, mut twist: impl FnMut(usize, &Twist)) {
-        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
-        let add = |i: usize, v: &Twist, f: Wrench| {
-            wrench[i] += f;
-            twist(i, v);
-        };
-        let tree = self.implicit.as_mut().unwrap_or(&mut self.tree);
-        if self.forces.is_empty() {
-            tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add);
-        } else {
-            tree.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add);
-        }
-    }
-
-    /// The same where light bodies have impulses to balance.
-    fn correct_loaded(&mut self, h: f64) {
-        let mut tree = std::mem::replace(self.implicit.as_mut().unwrap_or(&mut self.tree), Tree::EMPTY);
-        tree.load(&self.nodes, &self.places, |i| self.imbalance(i, h));
-        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
-        tree.correct_loaded(&self.nodes, &self.places, |i| bias[i], |i| along[i], |i, _, f| wrench[i] += f);
-        self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.places[i].arm));
-        *self.implicit.as_mut().unwrap_or(&mut self.tree) = tree;
-    }
-
-    /// (3): one round of Newton's method with the exact linearisation.
-    fn relinearise_and_correct(&mut self, h: f64) -> Result<(), Failure> {
-        for i in 1..self.nodes.len() {
-            let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
-            let parent = &self.trial[node.parent].motion;
-            let k = self.rules[i].derivative(&node.inertia, &trial.s, &trial.hm);
-            self.newton.tried[i] = Tried {
-                motion: trial.motion,
-                inertia: turning_inertia(&self.pose[i].r, &trial.s, &k),
-                turn: Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent).turn,
-                locked: self.bias[i].scaled(-h),
-                along: self.along[i],
-                implicit: node.force.map_or(0.0, |k| self.forces[k].implicit(h)),
-                kick: self.imbalance(i, h),
-            };
-        }
-        let (wrench, trial) = (&mut self.wrench, &self.trial);
-        let (nodes, places, newton) = (&self.nodes, &self.places, &mut self.newton);
-        let mut solved = newton.correct(nodes, places, h, |i, f| wrench[i] += f);
-        if let (Ok(()), Some(loops)) = (solved, &mut self.loops) {
-            let at = Trying { nodes, pose: &self.pose, places, motion: &|i| trial[i].motion };
-            solved = loops.correct_exactly(h, newton, &at, |i, f| wrench[i] += f);
-        }
-        solved.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
-        self.correct_light(h, |rattle, i| {
-            let (arm, motion) = (&rattle.places[i].arm, &rattle.trial[i].motion);
-            rattle.newton.motion(i).twist_at(&-(arm + motion.turned(arm)))
-        });
-        Ok(())
-    }
-
-    /// Places the joints in the present configuration and factorises there, for the end of a step of size `h`.
-    fn factorise(&mut self, h: f64) -> Result<(), Failure> {
-        for i in 1..self.nodes.len() {
-            let parent = self.nodes[i].parent;
-            let parent_arm = self.places[parent].arm;
-            let (node, pose, parent) = (&self.nodes[i], &self.pose[i], &self.pose[parent]);
-            self.places[i] = Place::new(node, pose, parent, &parent_arm);
-            self.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
-        }
-        let (nodes, pose, forces) = (&self.nodes, &self.pose, &self.forces);
-        let late = |i: usize| if self.implicit.is_some() { late(nodes, forces, i, h) } else { 0.0 };
-        self.tree
-            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), late)
-            .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
-        if let Some(loops) = &mut self.loops {
-            loops.place(nodes, pose, &self.places, RETURN);
-            loops.factorise(&self.tree, nodes, &self.places, &mobility(nodes, pose));
-        }
-        Ok(())
-    }
-
-    /// (4) and (5): the second half kick of a step of size `h`, and the joint impulses that make the twists fit.
-    fn project_momenta(&mut self, h: f64) {
-        let (_, part) = self.method.parts();
-        let (nodes, bodies, twist, wrench) = (&self.nodes, &self.bodies, &mut self.twist, &mut self.wrench);
-        for i in 1..nodes.len() {
-            self.trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.gravity, Vector3::zeros());
-        }
-        if !self.forces.is_empty() {
-            for (i, k) in (1..nodes.len()).filter_map(|i| Some((i, nodes[i].force?))) {
-                let impulse = self.forces[k].second_half(&nodes[i], &self.places[i]);
-                add_joint_impulse(&mut self.trial, nodes, &self.places, i, &impulse);
-            }
-        }
-        if let Some(loops) = &mut self.loops {
-            if h != 0.0 {
-                loops.push_springs(&self.places, |i, impulse| self.trial[i].kick += impulse);
-            }
-            let (trial, first) = (&self.trial, loops.first_pass());
-            let momentum = |i: usize| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick;
-            self.tree.project(nodes, &self.places, momentum, |i, v, _| first[i] = *v);
-            loops.project(&self.places, |i, impulse| self.trial[i].kick += impulse);
-        }
-        let trial = &self.trial;
-        self.tree.project(
-            nodes,
-            &self.places,
-            |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick,
-            |i, v, f| {
-                twist[i] = *v;
-                wrench[i] = f;
-            },
-        );
-        for i in 1..self.nodes.len() {
-            // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
-            if late(&self.nodes, &self.forces, i, h) == 0.0 {
-                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
-            }
-            if self.method == Method::Shake && h != 0.0 {
-                continue;
-            }
-            add_joint_impulse(&mut self.trial, &self.nodes, &self.places, i, &self.wrench[i]);
-        }
-        self.project_light();
-        for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
-            body.p.add(&trial.kick.linear);
-            body.pi.add(&trial.kick.angular);
-        }
-    }
-
-    /// By how much a unit impulse along a joint changes its velocity, times the system's length for an angle.
-    fn compliance(&self, i: usize) -> f64 {
-        let weight = if self.nodes[i].kind == JointKind::Prismatic { 1.0 } else { self.length };
-        weight * self.implicit.as_ref().unwrap_or(&self.tree).compliance(i)
     }
 
     /// Writes the present state: poses, and the twists that fit the joints.
@@ -789,60 +335,8 @@ pub(super) fn bodies(system: &System, state: &State) -> (Vec<Body>, Vec<Pose>) {
             pi: (b.attitude * body.inertia.component_mul(&omega)).into(),
         }
     });
-    let poses = state.bodies.iter().map(|b| Pose::new(b.position, b.attitude.coords));
+    let poses = state.bodies.iter().map(|b| Pose::new(&b.position.into(), b.attitude.coords));
     (std::iter::once(ground).chain(moving).collect(), std::iter::once(Pose::GROUND).chain(poses).collect())
-}
-
-/// The rotation rule of each node: light bodies always turn by [`Rotation::Cayley`].
-fn rules(nodes: &[Node], rotation: Rotation) -> Vec<Rotation> {
-    nodes.iter().map(|node| if node.light { Rotation::Cayley } else { rotation }).collect()
-}
-
-/// Where a step is farthest from closed: a joint, by its body, or a bond.
-#[derive(Clone, Copy, Debug)]
-enum Open {
-    Joint(usize),
-    Loop(usize),
-}
-
-impl Open {
-    fn failure(self, rounds: usize, residual: f64) -> Failure {
-        match self {
-            Open::Joint(joint) => Failure::Constraint { joint, rounds, residual },
-            Open::Loop(index) => Failure::Loop { index, rounds, residual },
-        }
-    }
-}
-
-/// Kinetic energy of a body by its momentum and its angular momentum in body axes, J; none where there is no inertia.
-fn kinetic_energy(node: &Node, linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
-    let part = |square: f64, inertia: f64| if inertia > 0.0 { 0.5 * square / inertia } else { 0.0 };
-    part(linear.norm_squared(), node.mass) + (0..3).map(|k| part(angular[k] * angular[k], node.inertia[k])).sum::<f64>()
-}
-
-/// What the force of a joint adds to `D` at the end of a step of size `h`.
-#[inline(always)]
-fn late(nodes: &[Node], forces: &[JointForce], i: usize, h: f64) -> f64 {
-    nodes[i].force.map_or(0.0, |k| forces[k].late(h))
-}
-
-/// `w M^-1 w` of a wrench about the centre of mass of a free body.
-fn mobility(nodes: &[Node], pose: &[Pose]) -> impl Fn(usize, &Wrench) -> f64 {
-    |i, wrench| {
-        let torque = pose[i].r.tr_mul(&wrench.angular);
-        let turning = torque.component_mul(&torque).component_div(&nodes[i].inertia).sum();
-        wrench.linear.norm_squared() / nodes[i].mass + turning
-    }
-}
-
-/// Inertia about the centre of mass in world axes.
-#[inline(always)]
-pub(super) fn world_inertia(node: &Node, pose: &Pose) -> Matrix3<f64> {
-    let mut scaled = pose.r;
-    for k in 0..3 {
-        scaled.column_mut(k).scale_mut(node.inertia[k]);
-    }
-    scaled * pose.r.transpose()
 }
 
 /// Puts an impulse of joint `i`, known about its joint point, on its two bodies.

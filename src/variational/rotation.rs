@@ -70,6 +70,17 @@ impl Rotation {
         }
     }
 
+    /// `h L_d`, which depends on the turn alone: `L_d` is this over the step, and the discrete energy `-dL_d/dh` at a fixed turn
+    /// this over its square, kg m^2.
+    pub(super) fn action(self, inertia: &Vector3<f64>, s: &Vector3<f64>, hm: &Vector3<f64>) -> f64 {
+        let square = 2.0 * s.dot(&inertia.component_mul(s));
+        match self {
+            Rotation::MoserVeselov => square / (1.0 + s.norm_squared()),
+            Rotation::Cayley => square,
+            Rotation::Splitting => Split::of(inertia).action(hm),
+        }
+    }
+
     /// `K` in `d(h m0) = K ds / (1 + |s|^2)` at a solution.
     pub(super) fn derivative(self, inertia: &Vector3<f64>, s: &Vector3<f64>, hm: &Vector3<f64>) -> Matrix3<f64> {
         let jacobian = |rule: Implicit| rule.jacobian(inertia, s, &inertia.component_mul(s), hm);
@@ -98,7 +109,7 @@ impl Implicit {
     fn solve(self, inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<f64>) -> Option<Vector3<f64>> {
         let mut s = *start;
         // The error after a Newton update is about the update squared, times the ratio of the moments.
-        let ratio = inertia.max() / inertia.min();
+        let ratio = inertia.x.max(inertia.y).max(inertia.z) / inertia.x.min(inertia.y).min(inertia.z);
         for _ in 0..MOST_ITERATIONS {
             let js = inertia.component_mul(&s);
             let update = solve(&self.jacobian(inertia, &s, &js, hm), &self.residual(&s, &js, hm))?;

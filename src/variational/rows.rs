@@ -61,6 +61,8 @@ pub(super) struct Schur {
     factors: Orthogonal,
     /// What each row is multiplied by, so that its free mobility is 1.
     scale: Vec<f64>,
+    /// `k T k^T` of each row: the velocity that it sees for a unit impulse along it.
+    mobility: Vec<f64>,
     freedoms: usize,
 }
 
@@ -68,7 +70,8 @@ impl Schur {
     /// Room for `rows` rows on a tree, `compliant` of them springs.
     pub(super) fn new(tree: &Tree, rows: usize, compliant: usize) -> Schur {
         let freedoms = tree.freedoms();
-        Schur { factors: Orthogonal::new(freedoms + compliant, rows), scale: vec![0.0; rows], freedoms }
+        let (factors, none) = (Orthogonal::new(freedoms + compliant, rows), vec![0.0; rows]);
+        Schur { factors, scale: none.clone(), mobility: none, freedoms }
     }
 
     /// Factorises. `mobility(i, w)` is `w M^-1 w` of a wrench about the centre of mass of a free node; the last rows are
@@ -87,9 +90,10 @@ impl Schur {
             let column = self.factors.column_mut(r);
             column.fill(0.0);
             tree.innovations(nodes, places, row.ends(), &mut column[..self.freedoms]);
+            self.mobility[r] = column.iter().map(|x| x * x).sum();
             let mut free = row.free_mobility(places, mobility);
             if !free.is_finite() {
-                free = column.iter().map(|x| x * x).sum();
+                free = self.mobility[r];
             }
             if let Some(spring) = r.checked_sub(rigid) {
                 column[self.freedoms + spring] = compliance[spring].sqrt();
@@ -135,6 +139,11 @@ impl Schur {
 
     pub(super) fn rank(&self) -> usize {
         self.factors.rank()
+    }
+
+    /// `k T k^T` of row `r`.
+    pub(super) fn mobility(&self, r: usize) -> f64 {
+        self.mobility[r]
     }
 
     /// What row `r` is multiplied by.

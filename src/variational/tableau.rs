@@ -137,11 +137,11 @@ mod tests {
             assert!(quadrature(2 * s - 1).abs() > 1e-5, "{s}");
             for k in 1..=s {
                 for i in 0..s {
-                    // measured 6.7e-16
+                    // measured at most 1.3e-15
                     let c: f64 = (0..s).map(|j| t.a[i][j] * power(t.c[j], k - 1)).sum();
-                    assert!((c - power(t.c[i], k) / k as f64).abs() <= 2e-15, "{s} {k} {i}");
+                    assert!((c - power(t.c[i], k) / k as f64).abs() <= 4e-15, "{s} {k} {i}");
                     let d: f64 = (0..s).map(|j| t.b[j] * power(t.c[j], k - 1) * t.ahat[j][i]).sum();
-                    assert!((d - t.b[i] * (1.0 - power(t.c[i], k)) / k as f64).abs() <= 2e-15, "{s} {k} {i}");
+                    assert!((d - t.b[i] * (1.0 - power(t.c[i], k)) / k as f64).abs() <= 4e-15, "{s} {k} {i}");
                 }
             }
         }

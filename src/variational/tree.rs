@@ -16,23 +16,46 @@
 //!
 //! and one from the root to the leaves finds the twists. Only `D` is inverted: a number for a hinge.
 
-use nalgebra::{Cholesky, Const, Matrix3, Vector3};
+use nalgebra::{Cholesky, Const, Matrix3, Matrix6, Vector3};
 
 use super::joints::{Node, Place};
 use super::spatial::{Inertia, Spatial, Twist, Wrench};
 use crate::mechanics::JointKind;
 
-/// The free directions of a joint, eliminated.
+/// The free directions of a joint, eliminated. Chains are mostly hinges, so what is large stands elsewhere.
 #[derive(Clone, Debug)]
 enum Elimination {
     /// One rotation about `n`.
     Hinge { n: Vector3<f64>, u: Wrench, d_inverse: f64 },
     /// One translation along `n`.
     Slider { n: Vector3<f64>, u: Wrench, d_inverse: f64 },
-    /// Three directions `s`.
-    Three { s: [Spatial; 3], u: [Wrench; 3], d_inverse: Matrix3<f64> },
+    /// Three directions.
+    Three(Box<Three>),
     /// All six: nothing passes to the parent.
-    Free { a: Cholesky<f64, Const<6>> },
+    Free(Box<Cholesky<f64, Const<6>>>),
+}
+
+/// Three free directions `s`, eliminated.
+#[derive(Clone, Debug)]
+struct Three {
+    s: [Spatial; 3],
+    u: [Wrench; 3],
+    d_inverse: Matrix3<f64>,
+}
+
+impl Elimination {
+    /// Room for that of a joint.
+    fn of(kind: JointKind) -> Elimination {
+        let (n, u, d_inverse) = (Vector3::zeros(), Spatial::ZERO, 0.0);
+        match kind {
+            JointKind::Revolute => Elimination::Hinge { n, u, d_inverse },
+            JointKind::Prismatic => Elimination::Slider { n, u, d_inverse },
+            JointKind::Planar | JointKind::Spherical => {
+                Elimination::Three(Box::new(Three { s: [u; 3], u: [u; 3], d_inverse: Matrix3::zeros() }))
+            }
+            JointKind::Floating => Elimination::Free(Box::new(Cholesky::pack_dirty(Matrix6::identity()))),
+        }
+    }
 }
 
 /// The factorisation at one configuration, with room for the solves.
@@ -70,10 +93,9 @@ impl Tree {
 
     pub(super) fn new(nodes: &[Node]) -> Tree {
         let zero = Inertia { m: Matrix3::zeros(), h: Matrix3::zeros(), j: Matrix3::zeros() };
-        let unused = Elimination::Hinge { n: Vector3::zeros(), u: Spatial::ZERO, d_inverse: 0.0 };
         Tree {
             inertia: vec![zero; nodes.len()],
-            elimination: vec![unused; nodes.len()],
+            elimination: nodes.iter().map(|node| Elimination::of(node.kind)).collect(),
             rhs: vec![Spatial::ZERO; nodes.len()],
             along: vec![Vector3::zeros(); nodes.len()],
             twist: vec![Spatial::ZERO; nodes.len()],
@@ -120,7 +142,8 @@ impl Tree {
                     out[0] = s_rhs * d_inverse.sqrt();
                     rhs -= u.scaled(d_inverse * s_rhs);
                 }
-                Elimination::Three { s, u, d_inverse } => {
+                Elimination::Three(three) => {
+                    let Three { s, u, d_inverse } = &**three;
                     let s_rhs = Vector3::from_fn(|k, _| s[k].dot(&rhs));
                     if let Some(root) = Cholesky::new(*d_inverse) {
                         out.copy_from_slice(root.l().tr_mul(&s_rhs).as_slice());
@@ -128,7 +151,7 @@ impl Tree {
                     let sigma = d_inverse * s_rhs;
                     rhs -= u[0].scaled(sigma.x) + u[1].scaled(sigma.y) + u[2].scaled(sigma.z);
                 }
-                Elimination::Free { a } => {
+                Elimination::Free(a) => {
                     let mut x = rhs.to_vector();
                     a.l_dirty().solve_lower_triangular_mut(&mut x);
                     out.copy_from_slice(x.as_slice());
@@ -151,7 +174,7 @@ impl Tree {
     ) {
         self.rhs.fill(Spatial::ZERO);
         load(&mut self.rhs);
-        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
+        self.sweep(nodes, places, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what the
@@ -169,46 +192,42 @@ impl Tree {
         for i in (1..nodes.len()).rev() {
             let mut passed = self.inertia[i];
             let (place, node) = (&places[i], &nodes[i]);
-            let elimination = match node.kind {
-                JointKind::Revolute => {
-                    let n = place.axes.column(2).into_owned();
-                    let u = Spatial::new(passed.h * n, passed.j * n);
+            match &mut self.elimination[i] {
+                Elimination::Hinge { n, u, d_inverse } => {
+                    *n = place.axes.column(2).into_owned();
+                    *u = Spatial::new(passed.h * *n, passed.j * *n);
                     let d = n.dot(&u.angular) + implicit(i);
-                    let d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
-                    passed.subtract_product(&u.scaled(d_inverse), &u);
-                    Elimination::Hinge { n, u, d_inverse }
+                    *d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
+                    passed.subtract_product(&u.scaled(*d_inverse), u);
                 }
-                JointKind::Prismatic => {
-                    let n = place.axes.column(2).into_owned();
-                    let u = Spatial::new(passed.m * n, passed.h.tr_mul(&n));
+                Elimination::Slider { n, u, d_inverse } => {
+                    *n = place.axes.column(2).into_owned();
+                    *u = Spatial::new(passed.m * *n, passed.h.tr_mul(n));
                     let d = n.dot(&u.linear) + implicit(i);
-                    let d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
-                    passed.subtract_product(&u.scaled(d_inverse), &u);
-                    Elimination::Slider { n, u, d_inverse }
+                    *d_inverse = reciprocal(d, node.least).ok_or(Singular { node: i })?;
+                    passed.subtract_product(&u.scaled(*d_inverse), u);
                 }
-                JointKind::Planar | JointKind::Spherical => {
-                    let s = directions(node.kind, &place.axes);
-                    let u = s.map(|s| passed.times(&s));
+                Elimination::Three(three) => {
+                    let Three { s, u, d_inverse } = &mut **three;
+                    *s = directions(node.kind, &place.axes);
+                    *u = s.map(|s| passed.times(&s));
                     let mut d = Matrix3::from_fn(|r, c| s[r].dot(&u[c]));
                     for k in 0..3 {
                         d[(k, k)] += implicit(i);
                     }
-                    let d_inverse = inverse_of_symmetric(&d).ok_or(Singular { node: i })?;
+                    *d_inverse = inverse_of_symmetric(&d).ok_or(Singular { node: i })?;
                     if node.light && !(d_inverse.amax() * node.least < 1.0) {
                         return Err(Singular { node: i });
                     }
-                    for (k, scaled) in combine(&u, &d_inverse).iter().enumerate() {
+                    for (k, scaled) in combine(u, d_inverse).iter().enumerate() {
                         passed.subtract_product(scaled, &u[k]);
                     }
-                    Elimination::Three { s, u, d_inverse }
                 }
-                JointKind::Floating => {
-                    let a = Cholesky::new(passed.to_matrix()).ok_or(Singular { node: i })?;
-                    self.elimination[i] = Elimination::Free { a };
+                Elimination::Free(a) => {
+                    **a = Cholesky::new(passed.to_matrix()).ok_or(Singular { node: i })?;
                     continue;
                 }
-            };
-            self.elimination[i] = elimination;
+            }
             if node.parent > 0 {
                 self.inertia[node.parent].add_shifted(&passed, &place.offset);
             }
@@ -228,7 +247,7 @@ impl Tree {
         for i in 1..nodes.len() {
             self.rhs[i] = b(i).wrench_from(&-places[i].arm);
         }
-        self.sweep(nodes, places, |_| Spatial::ZERO, |_| Vector3::zeros(), &mut solution);
+        self.sweep(nodes, places, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Solves `M v = G^T lambda`, `G v = c`, `S . f = -along` (plus the implicit part of the joint's own force): a
@@ -242,7 +261,7 @@ impl Tree {
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
         self.rhs[1..].fill(Spatial::ZERO);
-        self.sweep(nodes, places, bias, along, &mut solution);
+        self.sweep(nodes, places, |i| Some(bias(i)), along, &mut solution);
     }
 
     /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to answer.
@@ -261,7 +280,7 @@ impl Tree {
         along: impl Fn(usize) -> Vector3<f64>,
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
-        self.sweep(nodes, places, bias, along, &mut solution);
+        self.sweep(nodes, places, |i| Some(bias(i)), along, &mut solution);
     }
 
     /// Twist of a node at its joint point in the last solution.
@@ -278,22 +297,26 @@ impl Tree {
     pub(super) fn compliance(&self, node: usize) -> f64 {
         match &self.elimination[node] {
             Elimination::Hinge { d_inverse, .. } | Elimination::Slider { d_inverse, .. } => *d_inverse,
-            Elimination::Three { d_inverse, .. } => d_inverse.amax(),
-            Elimination::Free { .. } => 0.0,
+            Elimination::Three(three) => three.d_inverse.amax(),
+            Elimination::Free(_) => 0.0,
         }
     }
 
+    /// `bias(i)` is `None` where all joints hold.
     #[inline(always)]
     fn sweep(
         &mut self,
         nodes: &[Node],
         places: &[Place],
-        bias: impl Fn(usize) -> Twist,
+        bias: impl Fn(usize) -> Option<Twist>,
         along: impl Fn(usize) -> Vector3<f64>,
         solution: &mut impl FnMut(usize, &Twist, Wrench),
     ) {
         for i in (1..nodes.len()).rev() {
-            let mut rhs = self.rhs[i] - self.inertia[i].times(&bias(i));
+            let mut rhs = self.rhs[i];
+            if let Some(bias) = bias(i) {
+                rhs -= self.inertia[i].times(&bias);
+            }
             match &self.elimination[i] {
                 Elimination::Hinge { n, u, d_inverse } => {
                     let s_rhs = n.dot(&rhs.angular) - along(i).x;
@@ -305,13 +328,14 @@ impl Tree {
                     self.along[i].x = s_rhs;
                     rhs -= u.scaled(d_inverse * s_rhs);
                 }
-                Elimination::Three { s, u, d_inverse } => {
+                Elimination::Three(three) => {
+                    let Three { s, u, d_inverse } = &**three;
                     let s_rhs = Vector3::from_fn(|k, _| s[k].dot(&rhs)) - along(i);
                     self.along[i] = s_rhs;
                     let sigma = d_inverse * s_rhs;
                     rhs -= u[0].scaled(sigma.x) + u[1].scaled(sigma.y) + u[2].scaled(sigma.z);
                 }
-                Elimination::Free { .. } => continue,
+                Elimination::Free(_) => continue,
             }
             let parent = nodes[i].parent;
             if parent > 0 {
@@ -320,7 +344,7 @@ impl Tree {
         }
         for i in 1..nodes.len() {
             let carried = self.twist[nodes[i].parent].twist_at(&places[i].offset);
-            let mut v = carried + bias(i);
+            let mut v = bias(i).map_or(carried, |bias| carried + bias);
             match &self.elimination[i] {
                 Elimination::Hinge { n, u, d_inverse } => {
                     v.angular += n * (d_inverse * (self.along[i].x - u.dot(&carried)));
@@ -328,11 +352,12 @@ impl Tree {
                 Elimination::Slider { n, u, d_inverse } => {
                     v.linear += n * (d_inverse * (self.along[i].x - u.dot(&carried)));
                 }
-                Elimination::Three { s, u, d_inverse } => {
+                Elimination::Three(three) => {
+                    let Three { s, u, d_inverse } = &**three;
                     let sigma = d_inverse * (self.along[i] - Vector3::from_fn(|k, _| u[k].dot(&carried)));
                     v += s[0].scaled(sigma.x) + s[1].scaled(sigma.y) + s[2].scaled(sigma.z);
                 }
-                Elimination::Free { a } => {
+                Elimination::Free(a) => {
                     self.twist[i] = Spatial::from_vector(&a.solve(&self.rhs[i].to_vector()));
                     solution(i, &self.twist[i], Spatial::ZERO);
                     continue;

@@ -116,7 +116,7 @@ fn plain_sums_over_ten_million_steps_break_bounds() {
     assert!(!found.is_empty(), "plain sums break no bound");
 }
 
-/// Every shipped scene has bounds on a quick run, and most on one of 1e7 steps.
+/// Every shipped scene has bounds on a quick run, and all but one on one of 1e7 steps (CONTRIBUTING says why).
 #[test]
 fn every_shipped_scene_has_bounds() {
     let (mut scenes, mut nightly) = (0, 0);
@@ -131,7 +131,7 @@ fn every_shipped_scene_has_bounds() {
         let what = "let `rattlebench check --propose` measure some";
         assert!(!quick.is_empty(), "{}: no bounds on quick runs; {what}", path.display());
     }
-    assert!(2 * nightly > scenes, "{nightly} of {scenes} scenes have bounds on runs of 1e7 steps");
+    assert!(nightly + 1 >= scenes, "{nightly} of {scenes} scenes have bounds on runs of 1e7 steps");
 }
 
 #[test]

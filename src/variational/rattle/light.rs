@@ -87,7 +87,7 @@ impl Rattle {
     }
 
     /// The light body whose impulses are farthest from its motion: how far that moves it, m, and what roundoff may do.
-    pub(super) fn measure_imbalance(&mut self, h: f64) -> (usize, f64, f64) {
+    pub(super) fn measure_imbalance(&self, h: f64) -> (usize, f64, f64) {
         let (mut joint, mut worst, mut roundoff) = (0, 0.0, 0.0_f64);
         for k in 0..self.light.len() {
             let i = self.light[k];
@@ -100,9 +100,8 @@ impl Rattle {
             }
             let lever = self.places[i].arm.norm() + self.length;
             let impulses = moved(f, self.wrench[i].angular.norm() + lever * f);
-            let trial = &mut self.trial[i];
-            trial.roundoff = trial.motion.dx.norm() + 2.0 * self.length * trial.motion.s.norm();
-            roundoff = roundoff.max(impulses).max(trial.roundoff);
+            let motion = &self.trial[i].motion;
+            roundoff = roundoff.max(impulses).max(motion.dx.norm() + 2.0 * self.length * motion.s.norm());
         }
         (joint, worst, f64::EPSILON * roundoff)
     }

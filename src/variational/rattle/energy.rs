@@ -1,0 +1,46 @@
+//! The discrete energy of a step.
+
+use super::Rattle;
+use crate::variational::rotation::Rotation;
+
+/// A discrete energy and the sum of the sizes of its terms, J.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::variational) struct DiscreteEnergy {
+    pub energy: f64,
+    pub size: f64,
+}
+
+impl Rattle {
+    /// The discrete energy of the step of size `h` (s) that was taken last (Marsden and West 2001, sections 4.5 and 4.9),
+    ///
+    /// ```text
+    /// E_d = -d/dh L_d(q0, q1, h) = sum_b m |x1 - x0|^2 / (2 h^2) + T_b(F)/h^2 - m g . (x0 + x1)/2 + V_s(q0, q1)
+    /// ```
+    ///
+    /// at fixed ends, where `T_b / h` is the rotational part of `L_d` ([`Rotation::action`]) and `V_s` the potential of the
+    /// springs in the middle of the step. For a system without dampers and drives.
+    pub(in crate::variational) fn discrete_energy(&self, h: f64) -> DiscreteEnergy {
+        let (mut kinetic, mut potential, mut size) = (0.0, 0.0, 0.0);
+        for i in 1..self.nodes.len() {
+            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
+            let turning = self.rules[i].action(&node.inertia, &trial.s, &trial.hm);
+            kinetic += (0.5 * node.mass * trial.motion.dx.norm_squared() + turning) / (h * h);
+            let middle = body.x.value - 0.5 * trial.motion.dx;
+            potential -= node.mass * self.gravity.dot(&middle);
+            size += node.mass * self.gravity.norm() * middle.norm();
+        }
+        let joints: f64 = self.forces.iter().map(|force| force.potential()).sum();
+        let springs = joints + self.loops.as_ref().map_or(0.0, |loops| loops.potential());
+        DiscreteEnergy { energy: kinetic + (potential + springs), size: kinetic + size + springs }
+    }
+
+    /// Keeps the rotation rules of the bodies from now on: each has a discrete energy of its own.
+    pub(in crate::variational) fn keep_rotation(&mut self) {
+        self.automatic = false;
+    }
+
+    /// The rotation rule of each body.
+    pub fn rotations(&self) -> &[Rotation] {
+        &self.rules[1..]
+    }
+}

@@ -1,0 +1,205 @@
+//! The constraints at the end of the drift, (1) to (3) of [`super`]: predict, drift, measure, correct, until roundoff.
+
+use nalgebra::Vector3;
+
+use super::failure::Open;
+use super::leaps::KICKED;
+use super::{Failure, RETURN, Rattle, add_joint_impulse};
+use crate::mechanics::JointKind;
+use crate::variational::joints::{Moved, coordinates_of, keep_locked};
+use crate::variational::loops::Worst;
+use crate::variational::spatial::Spatial;
+
+/// Rounds of the chord iteration after which a step is given up.
+pub(in crate::variational) const MOST_ROUNDS: usize = 60;
+
+/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions. That is estimated
+/// for the thinnest axes, and what is left has the same sign for many steps.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// Or, on a tree, with the correction of a residual that is this part of roundoff. A linkage, which repeats its motion, lost
+/// 2.2e-20 of its energy scale a solve by that on average; with [`NEGLIGIBLE`] alone it loses at most 1.3e-21.
+const SETTLED: f64 = 0.3;
+
+impl Rattle {
+    /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
+    pub(super) fn solve_constraints(&mut self, h: f64) -> Result<(), Failure> {
+        // A high degree starts closer, a low one survives a violent moment.
+        let mut degree = self.predictor.degree().filter(|_| self.carried.is_none());
+        loop {
+            match degree {
+                Some(degree) => self.predictor.predict(self.time.value.x, h, degree, &self.pose, &mut self.wrench),
+                None => self.wrench.fill(Spatial::ZERO),
+            }
+            if let Some(loops) = &mut self.loops {
+                loops.predict(self.time.value.x, h, degree);
+            }
+            let forced = !self.forces.is_empty();
+            for (i, node) in self.nodes.iter().enumerate().skip(1) {
+                if !(forced && node.force.is_some()) {
+                    keep_locked(node, &self.places[i], &mut self.wrench[i]);
+                }
+            }
+            match (self.iterate(h, if degree.is_some() { KICKED.0 } else { KICKED.1 }), degree) {
+                (Err(_), Some(used)) => degree = (used > 0).then_some(used / 2),
+                (result, _) => return result,
+            }
+        }
+    }
+
+    /// The chord iteration, down to roundoff; `kicked` is the bound of [`Rattle::refuse_leap`].
+    fn iterate(&mut self, h: f64, kicked: f64) -> Result<(), Failure> {
+        let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
+        self.start_light(h);
+        loop {
+            self.kick_and_drift(h)?;
+            let (mut place, mut residual, mut roundoff) = self.measure_mismatch(h);
+            if let Some(worst) = self.measure_loops(h) {
+                roundoff = roundoff.max(f64::EPSILON * worst.roundoff);
+                if !(worst.size <= residual) {
+                    (place, residual) = (Open::Loop(worst.bond), worst.size);
+                }
+            }
+            if !residual.is_finite() {
+                let body = if let Open::Joint(body) = place { body } else { 0 };
+                return Err(Failure::NotFinite { body });
+            }
+            // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
+            let near = if exact { 1e4 } else { 64.0 };
+            let stagnant = residual > 0.3 * last && residual <= near * roundoff;
+            if stagnant || residual <= self.tolerance {
+                return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
+            }
+            // What a residual at roundoff leaves out has the same sign for many steps: the energy drifts unless it is corrected.
+            let predicted = if rounds == 0 { residual } else { residual * (residual / last) };
+            let settled = self.loops.is_none() && residual <= SETTLED * roundoff;
+            let last_round = settled || predicted <= NEGLIGIBLE * roundoff;
+            let slow = residual > 0.2 * last;
+            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
+                return Err(place.failure(rounds, residual));
+            }
+            exact |= slow && rounds >= 3;
+            if exact {
+                // A block that has no inverse there says nothing about the system, only that the step is too long.
+                self.relinearise_and_correct(h).map_err(|_| place.failure(rounds, residual))?;
+            } else {
+                self.correct(h)
+            }
+            (last, rounds) = (residual, rounds + 1);
+            self.rounds += 1;
+            if last_round {
+                self.kick_and_drift(h)?;
+                // Springs, drives and loops keep what they measured for the second half kick.
+                if !self.forces.is_empty() {
+                    self.measure_mismatch(h);
+                }
+                self.measure_loops(h);
+                return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
+            }
+        }
+    }
+
+    /// (1) and (2) with the present wrenches.
+    fn kick_and_drift(&mut self, h: f64) -> Result<(), Failure> {
+        let (part, _) = self.method.parts();
+        let (nodes, places, wrench) = (&self.nodes, &self.places, &self.wrench);
+        // Parents come before their children.
+        for i in 1..nodes.len() {
+            self.trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.gravity, Vector3::zeros());
+            add_joint_impulse(&mut self.trial, nodes, places, i, &wrench[i]);
+        }
+        if let Some(loops) = &self.loops {
+            loops.push(&self.places, |i, impulse| self.trial[i].kick += impulse);
+        }
+        if let Some(carried) = &self.carried {
+            self.trial.iter_mut().zip(carried).for_each(|(trial, impulse)| trial.kick += *impulse);
+        }
+        for i in 1..self.nodes.len() {
+            let (node, body, trial, pose) = (&self.nodes[i], &self.bodies[i], &mut self.trial[i], &self.pose[i]);
+            if node.light {
+                continue;
+            }
+            trial.motion.dx = body.p.plus(&trial.kick.linear) * (h / node.mass);
+            let hm = h * pose.r.tr_mul(&body.pi.plus(&trial.kick.angular));
+            let start = trial.s + 0.5 * (hm - trial.hm).component_div(&node.inertia);
+            trial.s = match self.rules[i].solve(&node.inertia, &hm, &start) {
+                Some(s) => s,
+                None => {
+                    let angle = hm.component_div(&node.inertia).norm();
+                    (trial.s, trial.hm) = (Vector3::zeros(), Vector3::zeros());
+                    return Err(Failure::Rotation { body: i - 1, angle });
+                }
+            };
+            trial.hm = hm;
+            trial.motion.s = pose.r * trial.s;
+        }
+        Ok(())
+    }
+
+    /// Fills in the joints' mismatch over `-h`. Returns the joint where it is largest, how large it is (m; angles times
+    /// the system's length), and how small roundoff lets it become.
+    fn measure_mismatch(&mut self, h: f64) -> (Open, f64, f64) {
+        // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
+        let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.length);
+        for i in 1..self.nodes.len() {
+            let (node, place, trial) = (&self.nodes[i], &self.places[i], &self.trial[i]);
+            let parent = &self.trial[node.parent].motion;
+            let moved = Moved::new(place, &self.places[node.parent].arm, &trial.motion, parent);
+            let gap = moved.locked(node, place, parent) + self.gap0[i];
+            let size = gap.linear.norm() + self.length * gap.angular.norm();
+            self.bias[i] = gap.scaled(-1.0 / h);
+            // What roundoff may do to the motion; of a light body, that of its impulses.
+            let noise = if node.light {
+                0.0
+            } else {
+                let pull = self.wrench[i].linear.norm() * (h.abs() / node.mass);
+                trial.motion.dx.norm() + self.length * trial.hm.norm() * node.thinnest + pull
+            };
+            // What is not a number stays the worst.
+            if size > worst || !(size + noise).is_finite() {
+                (worst, joint) = (size + 0.0 * noise, i - 1);
+            }
+            roundoff = noise.max(roundoff);
+        }
+        if !self.forces.is_empty() {
+            self.measure_excess(h, (&mut joint, &mut worst), &mut roundoff);
+        }
+        if !self.light.is_empty() {
+            let (body, size, noise) = self.measure_imbalance(h);
+            roundoff = roundoff.max(noise / f64::EPSILON);
+            if !(size <= worst) {
+                (worst, joint) = (size, body);
+            }
+        }
+        (Open::Joint(joint), worst, f64::EPSILON * roundoff)
+    }
+
+    fn measure_loops(&mut self, h: f64) -> Option<Worst> {
+        let trial = &self.trial;
+        let loops = self.loops.as_mut()?;
+        Some(loops.measure(h, &self.nodes, &self.places, &|i| trial[i].motion, self.length))
+    }
+
+    /// The same for what acts along the joints: by how far the joint would move if the impulse were right.
+    fn measure_excess(&mut self, h: f64, (joint, worst): (&mut usize, &mut f64), roundoff: &mut f64) {
+        for (i, k) in (1..self.nodes.len()).filter_map(|i| Some((i, self.nodes[i].force?))) {
+            let (node, place, parent) = (&self.nodes[i], &self.places[i], self.nodes[i].parent);
+            let (motion, carried) = (&self.trial[i].motion, &self.trial[parent].motion);
+            let travel = Moved::new(place, &self.places[parent].arm, motion, carried).travel(node, place, carried);
+            let impulse = coordinates_of(node, place, &self.wrench[i]);
+            self.along[i] = self.forces[k].excess(travel, impulse);
+            let effect = h.abs() * self.compliance(i);
+            let size = effect * self.along[i].norm();
+            if size > *worst || !size.is_finite() {
+                (*worst, *joint) = (size, i - 1);
+            }
+            *roundoff = roundoff.max(effect * impulse.norm());
+        }
+    }
+
+    /// By how much a unit impulse along a joint changes its velocity, times the system's length for an angle.
+    fn compliance(&self, i: usize) -> f64 {
+        let weight = if self.nodes[i].kind == JointKind::Prismatic { 1.0 } else { self.length };
+        weight * self.implicit.as_ref().unwrap_or(&self.tree).compliance(i)
+    }
+}

@@ -1,0 +1,72 @@
+//! Which rule each body turns by, and how a body goes over to another one.
+
+use super::{Failure, Rattle};
+use crate::variational::joints::Node;
+use crate::variational::rotation::Rotation;
+
+/// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
+const FAST: f64 = 0.25;
+
+impl Rattle {
+    /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
+    pub fn with_rotation(self, rotation: Rotation) -> Rattle {
+        Rattle { rules: rules(&self.nodes, rotation), automatic: false, ..self }
+    }
+
+    /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
+    /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
+    /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
+    pub fn with_automatic_rotation(self) -> Rattle {
+        Rattle { rules: rules(&self.nodes, Rotation::MoserVeselov), automatic: true, ..self }
+    }
+
+    /// The bodies that [`Rattle::with_automatic_rotation`] has moved to the splitting, by index, and when (s).
+    pub fn switched(&self) -> &[(usize, f64)] {
+        &self.switched
+    }
+
+    /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
+    pub(super) fn solve_or_switch(&mut self, h: f64) -> Result<(), Failure> {
+        let before = self.switched.len();
+        loop {
+            let failure = match self.solve_constraints(h) {
+                Err(failure) if self.automatic => failure,
+                result => return result,
+            };
+            let body = match failure {
+                Failure::Rotation { body, .. } => Some(body),
+                Failure::Constraint { .. } | Failure::Loop { .. } => self.fastest_turning(),
+                Failure::Leap { .. }
+                | Failure::Stalled { .. }
+                | Failure::NoStep { .. }
+                | Failure::Singular { .. }
+                | Failure::NotFinite { .. } => None,
+            };
+            match body {
+                Some(body) if self.rules[body + 1] == Rotation::MoserVeselov => {
+                    self.rules[body + 1] = Rotation::Splitting;
+                    self.switched.push((body, self.time.value.x));
+                }
+                _ => {
+                    for (body, _) in self.switched.drain(before..) {
+                        self.rules[body + 1] = Rotation::MoserVeselov;
+                    }
+                    return Err(failure);
+                }
+            }
+        }
+    }
+
+    /// The body that turns most in the step that was tried last, by more than [`FAST`], of those that can go over to the
+    /// splitting.
+    fn fastest_turning(&self) -> Option<usize> {
+        let turn = |i: &usize| self.trial[*i].s.norm();
+        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] == Rotation::MoserVeselov);
+        candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
+    }
+}
+
+/// The rotation rule of each node: light bodies always turn by [`Rotation::Cayley`].
+pub(super) fn rules(nodes: &[Node], rotation: Rotation) -> Vec<Rotation> {
+    nodes.iter().map(|node| if node.light { Rotation::Cayley } else { rotation }).collect()
+}

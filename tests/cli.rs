@@ -217,6 +217,30 @@ fn a_reader_that_stops_early_is_no_error() {
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
 }
 
+#[test]
+fn simulations_and_comparisons_warn_of_bodies_that_turn_far_in_a_step() {
+    let top = "models/heavy_top/scene.json";
+    let run_at = |engine: &str, step: &str| {
+        run(&["simulate", top, "--engine", engine, "--step", step, "--duration", "0.1", "--output", "-"], 0).1
+    };
+    let warning =
+        "body 'top' turns by 0.41 rad in a step; energy bounds are for less than about 0.3: take a step below";
+    assert_eq!(run_at("rattle", "0.001"), "");
+    let told = run_at("rattle", "0.01");
+    assert!(told.starts_with("warning: rattle: ") && told.contains(warning), "{told}");
+    assert_eq!(run_at("dop853", "0.01"), "", "it chooses its steps");
+    let folder = tempfile::tempdir().expect("a folder");
+    let engines =
+        ["--engine", "rattle", "--engine", "dop853", "--step", "0.01", "--step", "0.001", "--duration", "0.5"];
+    let arguments = [&["compare", top, "--out", text(folder.path())][..], &engines].concat();
+    let (_, stderr) = run(&arguments, 0);
+    assert!(stderr.starts_with("warning: rattle at 10 ms: ") && stderr.contains(warning), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let warned: Vec<bool> = report(folder.path()).runs.iter().map(|run| run.warning.is_some()).collect();
+    assert_eq!(warned.iter().filter(|warned| **warned).count(), 1, "{warned:?}");
+    assert!(fs::read_to_string(folder.path().join("index.html")).expect("written").contains("energy bounds are for"));
+}
+
 /// A quick comparison into a fresh folder.
 fn compare(more: &[&str]) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");

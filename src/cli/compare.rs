@@ -13,6 +13,7 @@ use crate::measure::study::Study;
 use crate::measure::sweep::{self, Setting};
 use crate::mechanics::System;
 use crate::model::Scene;
+use crate::report::number::duration;
 use crate::report::{Report, files, finding, summary, table};
 
 /// Engines that are compared where none is named, as far as they have the means for the scene.
@@ -155,6 +156,11 @@ fn compare(task: &Task, study: Study, interrupted: &AtomicBool) -> Result<(), Cl
         return Err(CliError::Interrupted);
     }
     let report = Report::of_study(&task.scene, &task.system, &findings, input::command_line());
+    for run in &report.runs {
+        if let Some(warning) = &run.warning {
+            eprintln!("warning: {} at {}: {warning}", run.engine, duration(run.step_s));
+        }
+    }
     let page = files::write(&report, &task.folder)?;
     print(&report, &page)?;
     if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use super::{CliError, input, interrupt, progress};
 use crate::engines::{self, Engine, Spec, StepFailure};
 use crate::measure::Horizon;
+use crate::measure::turn::Turn;
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{State, System, constraint, energy};
 use crate::model::Scene;
@@ -52,13 +53,16 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut engine = engines::build(&spec, &system, args.step)?;
     let mut output = Output::open(&args.output)?;
     let run = Run { system: &system, horizon, every };
+    let mut turn = Turn::new(&system, engine.as_ref(), args.step);
     let (taken, interrupted) = (AtomicU64::new(0), interrupt::flag());
     let stages = [progress::Stage { name: "simulating", total: horizon.steps, done: &taken }];
     // Rows on a terminal show by themselves how far the run is.
     let ended = if output.is_terminal() {
-        run.write(engine.as_mut(), &mut output, &taken, interrupted)
+        run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted)
     } else {
-        progress::during(&scene.name, &stages, || run.write(engine.as_mut(), &mut output, &taken, interrupted))
+        progress::during(&scene.name, &stages, || {
+            run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted)
+        })
     };
     let ended = match ended {
         Err(error) => return Err(output.failed(error)),
@@ -67,6 +71,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     output.close()?;
     for remark in engine.remarks() {
         eprintln!("remark: {spec}: {remark}");
+    }
+    let failed = matches!(ended, Ended::Failed(_));
+    if let Some(warning) = turn.warning(&system, engine.as_ref()).filter(|_| !failed) {
+        eprintln!("warning: {spec}: {warning}");
     }
     match ended {
         Ended::Completed => Ok(()),
@@ -185,6 +193,7 @@ impl Run<'_> {
     fn write(
         &self,
         engine: &mut dyn Engine,
+        turn: &mut Turn,
         output: &mut Output,
         taken: &AtomicU64,
         interrupted: &AtomicBool,
@@ -209,6 +218,7 @@ impl Run<'_> {
                 let detail = format!("t = {time:.6} s: the state is not a number");
                 return Ok(Ended::Failed(StepFailure::Diverged { detail }));
             }
+            turn.add(&state);
             tracker.update(self.system, &state, self.horizon.step);
             if n % self.every == 0 || n == self.horizon.steps {
                 self.row(rows, time, &state, &tracker)?;

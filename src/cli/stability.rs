@@ -30,7 +30,7 @@ pub struct Args {
     ))]
     family: Vec<String>,
     /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle and three
-    /// settings of rapier].
+    /// settings of rapier, and rk4 and semi_implicit_euler in the families on stiffness, spin and steps].
     #[arg(long, value_name = "SPEC")]
     engine: Vec<String>,
     /// Folder for the cells, the maps and the page.
@@ -66,9 +66,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let asked = |family: &&&Family| args.family.is_empty() || args.family.iter().any(|name| name == family.name);
     let families: Vec<&'static Family> = FAMILIES.iter().filter(asked).copied().collect();
     let engines = if args.engine.is_empty() { input::specs(&ENGINES)? } else { input::specs(&args.engine)? };
-    let head = SuiteRecord::new(&families, &engines, args.quick);
+    let head = SuiteRecord::new(&families, &engines, args.engine.is_empty(), args.quick);
     let (store, mut finished) = Store::open(&args.out, &head, args.resume)?;
-    let suite = Suite::new(families, engines, args.quick);
+    let suite = Suite::new(families, |family| input::specs(&head.engines_of(family)), args.quick)?;
     let mut todo = suite.cells(args.shard);
     todo.retain(|cell| !finished.contains_key(&Key::of(cell)));
     let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));

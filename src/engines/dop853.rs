@@ -92,6 +92,10 @@ impl Engine for Dop853 {
     fn write_state(&self, out: &mut State) {
         self.state.write_state(out);
     }
+
+    fn chooses_its_steps(&self) -> bool {
+        true
+    }
 }
 
 impl Dop853 {

@@ -37,6 +37,16 @@ pub trait Engine {
         0.0
     }
 
+    /// Whether the step of the run only says where states are handed out.
+    fn chooses_its_steps(&self) -> bool {
+        false
+    }
+
+    /// Why the figures of the run may mislead although no step has failed, as far as the engine knows.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+
     /// What a reader of the run should know about how it was done so far, one sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()

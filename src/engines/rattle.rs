@@ -161,6 +161,12 @@ struct Halved {
 /// How many of these are named.
 const NAMED: usize = 3;
 
+/// A rate times the step, rad, up to which failures are not put down to it.
+const RESOLVED: f64 = 0.3;
+
+/// The same for the sway of a linkage, whose forces grow large near a singular configuration without being the cause.
+const SWAYS: f64 = 1.0;
+
 impl RattleEngine {
     /// Takes the substeps. The state may be one of between when one of them fails.
     fn take(&mut self) -> Result<(), (usize, Failure)> {
@@ -196,17 +202,39 @@ impl RattleEngine {
         if matches!(failure, Failure::Singular { .. } | Failure::NotFinite { .. }) {
             return what;
         }
-        let turning = self.before.bodies.iter().map(|body| body.angular_velocity.norm()).enumerate();
-        let (body, omega) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
-        let fastest = format!("h |Omega| is at most {:.2} (body '{}')", self.step * omega, self.names.bodies[body]);
+        let cause = self.cause();
         if self.halved.is_some() {
-            return format!("{what}; {fastest}; halves of it down to 1/1024 fail too");
+            return format!("{what}; {cause}; halves of it down to 1/1024 fail too");
         }
         let cure = match self.step_that_works(taken) {
             Some(step) => format!("a step of {step:.3e} s goes on from there, as would on_failure=substep (order 2)"),
             None => "halves of it down to 1/1024 fail too".to_string(),
         };
-        format!("{what}; {fastest}; {cure}")
+        format!("{what}; {cause}; {cure}")
+    }
+
+    /// What of the motion is too fast for the step: the turn of a body, or the sway of a body under the forces in its joints.
+    fn cause(&self) -> String {
+        let turning = self.before.bodies.iter().map(|body| self.step * body.angular_velocity.norm()).enumerate();
+        let (turned, turn) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+        let (swayed, sway) = match &self.core {
+            Core::Rattle(rattle) => rattle.fastest_sway().map_or((0, 0.0), |(body, rate)| (body, self.step * rate)),
+            Core::Lobatto(_) | Core::Adaptive(_) | Core::EnergyMomentum(_) => (0, 0.0),
+        };
+        let names = &self.names.bodies;
+        let fastest = format!("h |Omega| is at most {turn:.2} (body '{}')", names[turned]);
+        let linkage = self.names.first_spring > 0;
+        if sway > turn && sway > if linkage { SWAYS } else { RESOLVED } {
+            return format!(
+                "the forces in the joints make body '{}' sway with h omega = {sway:.1}, which the step does not resolve; {fastest}",
+                names[swayed]
+            );
+        }
+        if turn > RESOLVED {
+            return format!("{fastest}, which the step does not resolve");
+        }
+        let place = if linkage { ", as where a linkage passes a singular configuration" } else { "" };
+        format!("{fastest} and h omega of the sway {sway:.2}: the motion changes within the step{place}")
     }
 
     /// Found on copies of the state before the step; that of a composition, a reversible map, by going back the substeps taken.
@@ -246,6 +274,24 @@ impl Engine for RattleEngine {
         } else {
             self.core.write_state(out);
         }
+    }
+
+    fn chooses_its_steps(&self) -> bool {
+        matches!(self.core, Core::Adaptive(_) | Core::EnergyMomentum(_))
+    }
+
+    fn warning(&self) -> Option<String> {
+        let jump = match &self.core {
+            // Substeps of different sizes and signs are not compared.
+            Core::Rattle(rattle) if self.substeps.len() == 1 => rattle.jump(),
+            _ => None,
+        };
+        jump.map(|(part, time)| {
+            format!(
+                "t = {time:.6} s: a step changes the kinetic energy of a linkage by {part:.2} of it without work, as where it \
+                 passes a singular configuration within a step; take a smaller step"
+            )
+        })
     }
 
     fn remarks(&self) -> Vec<String> {

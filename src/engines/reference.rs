@@ -62,6 +62,10 @@ impl Engine for ReferenceEngine {
     fn write_state(&self, out: &mut State) {
         self.integration.write_state(out);
     }
+
+    fn chooses_its_steps(&self) -> bool {
+        true
+    }
 }
 
 /// The reference at requested times.
@@ -105,13 +109,41 @@ pub fn trajectory_while(
     times: &[f64],
     go_on: &mut dyn FnMut(&State, &State) -> bool,
 ) -> Result<Trajectory, StepFailure> {
+    let (trajectory, failure) = follow(system, times, u64::MAX, go_on)?;
+    failure.map_or(Ok(trajectory), Err)
+}
+
+/// The same as far as `most_steps` accepted or rejected steps of either tolerance lead, and not beyond a failure.
+///
+/// # Errors
+/// The motion cannot be followed from the start.
+pub fn trajectory_within(
+    system: &System,
+    times: &[f64],
+    most_steps: u64,
+    go_on: &mut dyn FnMut(&State, &State) -> bool,
+) -> Result<Trajectory, StepFailure> {
+    Ok(follow(system, times, most_steps, go_on)?.0)
+}
+
+/// What was found, and why it ends before its time.
+fn follow(
+    system: &System,
+    times: &[f64],
+    most_steps: u64,
+    go_on: &mut dyn FnMut(&State, &State) -> bool,
+) -> Result<(Trajectory, Option<StepFailure>), StepFailure> {
     let mut pair = [Integration::new(system, TOLERANCE)?, Integration::new(system, LOOSER_TOLERANCE)?];
+    pair.iter_mut().for_each(|integration| integration.left = most_steps);
     let mut found: [Vec<State>; 2] = Default::default();
-    let mut error_estimate = Vec::new();
-    for time in times {
+    let (mut error_estimate, mut failure) = (Vec::new(), None);
+    'times: for time in times {
         let mut states = [system.initial.clone(), system.initial.clone()];
         for (integration, state) in pair.iter_mut().zip(&mut states) {
-            integration.advance_to(*time)?;
+            if let Err(stopped) = integration.advance_to(*time) {
+                failure = Some(stopped);
+                break 'times;
+            }
             integration.write_state(state);
         }
         error_estimate.push(distance(&states[0], &states[1]));
@@ -125,7 +157,7 @@ pub fn trajectory_while(
     }
     let times = times[..error_estimate.len()].to_vec();
     let [states, looser] = found;
-    Ok(Trajectory { times, states, looser, error_estimate, method: METHOD.to_string() })
+    Ok((Trajectory { times, states, looser, error_estimate, method: METHOD.to_string() }, failure))
 }
 
 /// The largest displacement of a centre of mass (m) or rotation of a body (rad) between two states. NaN where either is.
@@ -164,6 +196,8 @@ struct Integration {
     tolerance: f64,
     /// Whether there are loops or mimic joints.
     projects: bool,
+    /// Steps that may still be tried.
+    left: u64,
 }
 
 impl Integration {
@@ -184,7 +218,7 @@ impl Integration {
         let tree = system.parts.loops.is_empty() && system.parts.couplings.is_empty();
         let mut method = dormand_prince(tolerance);
         method.init(&equations, 0.0, f64::MAX, &y).map_err(|_| failure(0.0))?;
-        Ok(Integration { equations, method, tolerance, projects: !tree })
+        Ok(Integration { equations, method, tolerance, projects: !tree, left: u64::MAX })
     }
 
     fn advance_to(&mut self, time: f64) -> Result<(), StepFailure> {
@@ -200,6 +234,7 @@ impl Integration {
                 self.method.set_h(if natural >= rest { rest } else { 0.5 * rest });
             }
             let before = self.method.t();
+            self.left = self.left.checked_sub(1).ok_or_else(|| failure(before))?;
             self.method.step(&self.equations).map_err(|_| failure(before))?;
             if self.method.t() > before {
                 if self.projects {

@@ -24,6 +24,7 @@ pub mod sweep;
 pub mod trace;
 pub mod trust;
 pub mod truth;
+pub mod turn;
 mod work;
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::accuracy::{Accuracy, Follower};
 use super::growth::{Growth, Stretch, growth};
 use super::series::Series;
 use super::truth::Truth;
+use super::turn::Turn;
 use super::work::Work;
 use crate::engines::{Engine, StepFailure};
 use crate::mechanics::coordinates::CoordinateTracker;
@@ -65,6 +66,10 @@ pub struct Trace {
     pub time_level_corrected: Option<EnergyError>,
     pub growth: Option<Growth>,
     pub residual: Option<constraint::Residual>,
+    /// Largest turn of a body in a step, rad.
+    pub turn_per_step: Option<f64>,
+    /// Why the figures may mislead although the run went through.
+    pub warning: Option<String>,
     /// One entry for each component that the scene conserves.
     pub momentum: Vec<MomentumError>,
     /// Position errors against the truth, where it is known.
@@ -131,6 +136,8 @@ impl Trace {
             time_level_corrected: None,
             growth: None,
             residual: None,
+            turn_per_step: None,
+            warning: None,
             momentum: Vec::new(),
             accuracy: None,
             start: None,
@@ -184,7 +191,7 @@ pub fn trace_against<'a>(
         limits.taken.fetch_add(1, Ordering::Relaxed);
     };
     limits.taken.fetch_add(horizon.steps - probe.taken, Ordering::Relaxed);
-    Some(probe.finish(outcome))
+    Some(probe.finish(engine, outcome))
 }
 
 /// A state's energies, J, and joint residuals.
@@ -216,6 +223,7 @@ struct Probe<'a> {
     energy: EnergyError,
     corrected: EnergyError,
     residual: constraint::Residual,
+    turn: Turn,
     conserved: Vec<(Conserved, f64)>,
     momentum: Vec<f64>,
     follower: Option<Follower<'a>>,
@@ -256,6 +264,7 @@ impl<'a> Probe<'a> {
             energy: EnergyError::default(),
             corrected: EnergyError::default(),
             residual: constraint::Residual { position: 0.0, velocity: 0.0 },
+            turn: Turn::new(system, engine, horizon.step),
             series: Series::new(horizon.steps),
             taken: 0,
             system,
@@ -295,6 +304,7 @@ impl<'a> Probe<'a> {
             return Err(format!("t = {time:.6} s: the energy is wrong by {:.1e} of the energy scale", error.abs()));
         }
         self.taken += 1;
+        self.turn.add(&self.state);
         self.residual.position = self.residual.position.max(residual.position);
         self.residual.velocity = self.residual.velocity.max(residual.velocity);
         for ((component, start), largest) in self.conserved.iter().zip(&mut self.momentum) {
@@ -327,7 +337,7 @@ impl<'a> Probe<'a> {
         self.series.push(sample.time, [error, corrected, sample.residual.position, sample.residual.velocity]);
     }
 
-    fn finish(mut self, outcome: Outcome) -> Trace {
+    fn finish(mut self, engine: &dyn Engine, outcome: Outcome) -> Trace {
         self.known.clear();
         if let Some(work) = &mut self.work {
             work.finish(|w| self.known.push(w));
@@ -349,6 +359,8 @@ impl<'a> Probe<'a> {
             energy: measured.then_some(self.energy),
             time_level_corrected: (measured && self.lag != 0.0).then_some(self.corrected),
             residual: measured.then_some(self.residual),
+            turn_per_step: measured.then_some(self.turn.largest()),
+            warning: self.turn.warning(self.system, engine),
             momentum: momentum
                 .filter(|_| measured)
                 .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })

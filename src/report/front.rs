@@ -84,6 +84,8 @@ pub(super) mod tests {
             energy: None,
             constraint: None,
             momentum: None,
+            turn_per_step: None,
+            warning: None,
             structure: None,
             accuracy: Some(accuracy),
             time: Some(time),

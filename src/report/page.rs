@@ -85,6 +85,7 @@ fn runs(report: &Report) -> Markup {
         h2 { "Runs" }
         (engine_table(report, &table::columns(report)))
         (notes(report, |run| run.outcome_detail.as_deref()))
+        (notes(report, |run| run.warning.as_deref()))
         p.small {
             "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
              energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \

@@ -123,6 +123,12 @@ pub struct Run {
     /// Only where the scene conserves a component of momentum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum: Option<Momentum>,
+    /// Largest turn of a body in a step, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn_per_step: Option<f64>,
+    /// Why the figures may mislead although the run went through.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
     /// Position errors against the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
@@ -373,6 +379,8 @@ impl Run {
                 .map(|r| Constraint { max_position: r.position, max_velocity: r.velocity })
                 .filter(|_| system.bodies.iter().any(|b| b.joint.kind.degrees_of_freedom() < 6)),
             momentum: momentum(&trace.momentum),
+            turn_per_step: trace.turn_per_step,
+            warning: trace.warning.clone(),
             accuracy: trace.accuracy.map(Accuracy::new),
             structure: run.structure.as_ref().map(Structure::from),
             time: run.timing.map(|t| time(t, run.horizon.step)),

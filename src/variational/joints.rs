@@ -49,19 +49,29 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         light: false,
         least: 0.0,
     };
-    let bodies = system.bodies.iter().map(|body| Node {
-        parent: body.joint.parent.map_or(0, |p| p + 1),
-        kind: body.joint.kind,
-        mass: body.mass,
-        inertia: body.inertia,
-        thinnest: 1.0 / body.inertia.min(),
-        arm: body.joint.in_child.translation.vector,
-        frame: body.joint.in_child.rotation.to_rotation_matrix().into_inner(),
-        parent_arm: body.joint.in_parent.translation.vector,
-        parent_frame: body.joint.in_parent.rotation.to_rotation_matrix().into_inner(),
-        force: None,
-        light: false,
-        least: 0.0,
+    let bodies = system.bodies.iter().map(|body| {
+        let joint = &body.joint;
+        let (mut arm, mut parent_arm) = (joint.in_child.translation.vector, joint.in_parent.translation.vector);
+        if joint.kind == JointKind::Prismatic {
+            // A slider is the same wherever its rail is: the joint point is put at the centre of mass, so that a rail that is
+            // far away has no leverage. Frames that are moved by the same vector keep every position.
+            parent_arm -= joint.in_parent.rotation * (joint.in_child.rotation.inverse() * arm);
+            arm = Vector3::zeros();
+        }
+        Node {
+            parent: joint.parent.map_or(0, |p| p + 1),
+            kind: joint.kind,
+            mass: body.mass,
+            inertia: body.inertia,
+            thinnest: 1.0 / body.inertia.min(),
+            arm,
+            frame: joint.in_child.rotation.to_rotation_matrix().into_inner(),
+            parent_arm,
+            parent_frame: joint.in_parent.rotation.to_rotation_matrix().into_inner(),
+            force: None,
+            light: false,
+            least: 0.0,
+        }
     });
     std::iter::once(ground).chain(bodies).collect()
 }

@@ -18,8 +18,12 @@ use crate::mechanics::System;
 /// Redundant rows that contradict each other by more than this, over the system's length, are an open loop.
 const CONTRADICTION: f64 = 1e-10;
 
-/// The part of the kinetic energy that a step of a linkage may gain by its error. Whips with `h |Omega|` near 1 gain 0.05.
+/// The part of the kinetic energy that a step of a linkage may gain or lose by its error. Whips with `h |Omega|` near 1 gain 0.05.
 const LEAP: f64 = 0.3;
+
+/// The same of a step from which a run is worth a warning. Four-bars that pass their flat position within a step have 0.15 to
+/// 0.26, at steps that resolve it up to 0.02; all other linkages are below 0.002.
+const JUMP: f64 = 0.05;
 
 /// A row of the exact linearisation whose velocity is this part of that on free bodies is implied by the others.
 const RANK: f64 = 1e-10;
@@ -67,6 +71,10 @@ pub(super) struct Loops {
     /// Energies of the last step and of the one that is being tried.
     last: Option<StepEnergy>,
     tried: StepEnergy,
+    /// The part of the kinetic energy that the step which is being tried takes from nowhere or loses, beyond what a turning point
+    /// explains, and the largest of the steps that were taken with its time (s), once past [`JUMP`].
+    tried_jump: f64,
+    jump: Option<(f64, f64)>,
     /// The same for each row of a spring: its impulse of a half kick, and how fast it gets longer.
     last_pulls: Vec<(f64, f64)>,
     tried_pulls: Vec<(f64, f64)>,
@@ -111,6 +119,8 @@ impl Loops {
                 predictor: Predictor::new(entries, predictor::FULL),
                 last: None,
                 tried: StepEnergy::default(),
+                tried_jump: 0.0,
+                jump: None,
                 last_pulls: vec![(0.0, 0.0); springs],
                 tried_pulls: vec![(0.0, 0.0); springs],
                 bonds,
@@ -328,24 +338,34 @@ impl Loops {
         self.nu.copy_from_slice(&other.nu);
         self.predictor.copy_from(&other.predictor);
         (self.last, self.tried) = (other.last, other.tried);
+        (self.jump, self.tried_jump) = (other.jump, other.tried_jump);
         self.last_pulls.copy_from_slice(&other.last_pulls);
     }
 
+    /// The largest part of the kinetic energy that a step took from nowhere or lost, and its time, s: where a linkage passed a
+    /// singular configuration within a step.
+    pub(super) fn jump(&self) -> Option<(f64, f64)> {
+        self.jump
+    }
+
     /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
-    pub(super) fn accept(&mut self, back: f64) {
+    pub(super) fn accept(&mut self, time: f64, back: f64) {
+        if self.tried_jump > self.jump.map_or(JUMP, |(largest, _)| largest) {
+            self.jump = Some((self.tried_jump, time));
+        }
         self.bonds.iter_mut().for_each(|bond| bond.accept(back));
         self.last = Some(self.tried);
         self.last_pulls.copy_from_slice(&self.tried_pulls);
     }
 
-    /// The part of the kinetic energy that a step takes from nowhere, where that is more than [`LEAP`]. Constraints do no work:
-    /// near a singular configuration the equations of a step have other solutions, which throw the linkage onto another
-    /// branch.
+    /// The part of the kinetic energy that a step takes from nowhere, or loses, where that is more than [`LEAP`]. Constraints do
+    /// no work: near a singular configuration the equations of a step have other solutions, which throw the linkage onto
+    /// another branch.
     pub(super) fn leap(&mut self, h: f64, energy: StepEnergy) -> Option<f64> {
         if self.rigid == 0 {
             return None;
         }
-        self.tried = energy;
+        (self.tried, self.tried_jump) = (energy, 0.0);
         let springs = self.bonds.iter().filter(|bond| bond.is_spring());
         let rates = springs.flat_map(|bond| (0..bond.rows().len()).map(move |row| bond.rate(row, h)));
         for ((pull, nu), rate) in self.tried_pulls.iter_mut().zip(&self.nu[self.rigid..]).zip(rates) {
@@ -356,7 +376,8 @@ impl Loops {
         let kinetic = energy.kinetic.max(last.kinetic);
         // Near a turning point the work of a step is all that there is, and steps of different sizes share it unevenly.
         let turning = energy.fall + last.fall + energy.work.abs() + last.work.abs();
-        (gained > LEAP * kinetic + turning).then_some(gained / kinetic)
+        self.tried_jump = if kinetic > 0.0 { (gained.abs() - turning) / kinetic } else { 0.0 };
+        (gained.abs() > LEAP * kinetic + turning).then_some(gained / kinetic)
     }
 
     /// The potential of the springs between points in the middle of the last step, J.

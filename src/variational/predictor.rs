@@ -55,6 +55,11 @@ impl Predictor {
         Some(most.min(if steady { self.highest } else { RESTLESS }))
     }
 
+    /// The force that was remembered last, child's body axes.
+    pub(super) fn newest(&self, node: usize) -> &Wrench {
+        &self.history[node][(self.next + DEPTH - 1) % DEPTH]
+    }
+
     /// Writes the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given degree.
     pub(super) fn predict(&self, time: f64, h: f64, degree: usize, pose: &[Pose], out: &mut [Wrench]) {
         let weights = self.weights(time, degree).map(|weight| 0.5 * h * weight);

@@ -195,7 +195,10 @@ impl Rattle {
             rounds: 0,
             nodes,
         };
-        rattle.factorise()?;
+        rattle.factorise(0.0)?;
+        for (i, k) in (1..n).filter_map(|i| Some((i, rattle.nodes[i].force?))) {
+            rattle.forces[k].start(1.0 / rattle.tree.compliance(i));
+        }
         if let Some(loops) = &mut rattle.loops {
             loops.start();
         }
@@ -204,7 +207,11 @@ impl Rattle {
     }
 
     /// Steps by another map than [`Method::Rattle`].
-    pub fn with_method(self, method: Method) -> Rattle {
+    pub fn with_method(mut self, method: Method) -> Rattle {
+        if method != Method::Rattle {
+            // Their dampers are those of (1) in `forces` alone.
+            self.forces.iter_mut().for_each(|force| force.start(f64::INFINITY));
+        }
         Rattle { method, ..self }
     }
 
@@ -232,7 +239,7 @@ impl Rattle {
         self.forces.iter_mut().for_each(JointForce::end);
         if let Some(loops) = &mut self.loops {
             loops.record(time, h);
-            loops.accept(RETURN);
+            loops.accept(time, RETURN);
         }
         self.kick_light(h);
         for ((body, pose), trial) in self.bodies.iter_mut().zip(&mut self.pose).zip(&self.trial).skip(1) {
@@ -246,7 +253,7 @@ impl Rattle {
         if self.fault.is_some() {
             self.do_wrong(h);
         }
-        self.factorise()?;
+        self.factorise(h)?;
         self.project_momenta(h);
         self.time.add(&SVector::<f64, 1>::new(h));
         Ok(())
@@ -273,6 +280,36 @@ impl Rattle {
                 angular_velocity: twist.angular,
             };
         }
+    }
+
+    /// The body that the forces in the joints would swing fastest, by index, and how fast, rad/s: a body with the forces `F_j` at
+    /// the joint points `r_j` from its centre of mass turns about its own joint, at `r_0`, like a pendulum,
+    ///
+    /// ```text
+    /// omega^2 = sum_j |F_j| |r_j| / (J + m |r_0|^2) .
+    /// ```
+    ///
+    /// It is a bound of the size of the fastest sway of a taut chain, by the forces of the last step. `None` before the first.
+    pub fn fastest_sway(&self) -> Option<(usize, f64)> {
+        self.predictor.degree()?;
+        let mut moment = vec![0.0; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate().skip(1) {
+            let force = self.predictor.newest(i).linear.norm();
+            moment[i] += force * node.arm.norm();
+            moment[node.parent] += force * node.parent_arm.norm();
+        }
+        let rate = |i: usize| {
+            let node = &self.nodes[i];
+            let inertia = node.inertia.max() + node.mass * node.arm.norm_squared();
+            if inertia > 0.0 { (moment[i] / inertia).sqrt() } else { 0.0 }
+        };
+        (1..self.nodes.len()).map(|i| (i - 1, rate(i))).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The largest part of its kinetic energy that a linkage took from nowhere or lost in a step, with the time, s; `None` where
+    /// that was never more than a few hundredths. A linkage does so that passes a singular configuration within a step.
+    pub fn jump(&self) -> Option<(f64, f64)> {
+        self.loops.as_ref().and_then(|loops| loops.jump())
     }
 
     /// Independent rows of the loops and couplings in the present configuration.

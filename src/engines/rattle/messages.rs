@@ -49,13 +49,13 @@ pub(super) fn describe(failure: Failure, time: f64, step: f64, names: &Names) ->
             names.bonds[index]
         ),
         Failure::Loop { index, rounds, residual } => format!(
-            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s, as \
-             where it passes a singular configuration; take a smaller step",
+            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s; take \
+             a smaller step",
             names.bonds[index]
         ),
         Failure::Leap { gained } => format!(
             "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic energy from \
-             nowhere, as near a singular configuration of a linkage or where h |Omega| is near 1; take another step"
+             nowhere; take a smaller step"
         ),
         Failure::Stalled { step } => format!(
             "t = {time:.6} s: a step of {step:.1e} s is too short for the time to advance; take a larger tol or step"

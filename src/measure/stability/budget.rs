@@ -2,6 +2,7 @@
 //! the same cells over budget everywhere.
 
 use crate::engines::Spec;
+use crate::mechanics::System;
 
 /// A run that would cost more than this is not begun, nominal s.
 pub const ALLOWANCE: f64 = 100.0;
@@ -21,8 +22,17 @@ pub fn microseconds_per_step(engine: &Spec, bodies: usize) -> f64 {
             };
             1.5 * stages * n
         }
+        ("rk4", _) => 0.2 + n,
+        ("semi_implicit_euler", _) => 0.2 + 0.7 * n,
         _ => 2.0 + 2.0 * n,
     }
+}
+
+/// Nominal time of a step of the reference, s: twelve mass matrices with their factors, and what the loops add.
+pub fn reference_step_seconds(system: &System) -> f64 {
+    let freedoms: usize = system.bodies.iter().map(|body| body.joint.kind.degrees_of_freedom()).sum();
+    let (n, rows) = (freedoms as f64, 6.0 * system.parts.loops.len() as f64);
+    12e-6 * (0.5 * n + 0.05 * n * n + 2e-4 * n.powi(3) + 0.05 * rows * n + 2e-3 * rows.powi(3))
 }
 
 /// Nominal time of a run, s.

@@ -50,16 +50,14 @@ pub struct Finding {
     pub joint_gap: Option<f64>,
     /// Over the reach of the scene, or rad.
     pub pose_error: Option<f64>,
-    /// s up to which the truth was known; `None` where it was not.
+    /// s up to which the truth was known, and how it was found; `None` where it was not.
     pub truth_until: Option<f64>,
+    pub truth: Option<String>,
     /// Largest turn of a body in a step, rad.
     pub turn_per_step: Option<f64>,
     /// Why the figures may mislead although the run went through.
     pub warning: Option<String>,
 }
-
-/// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for.
-pub const FAR_TURN: f64 = 0.3;
 
 impl Case {
     pub fn new(family: &'static Family, scan: &'static Scan, value: f64) -> Case {
@@ -128,8 +126,9 @@ impl Cell<'_> {
             joint_gap: measured.then_some(watched.joint_gap),
             pose_error,
             truth_until: pose_error.map(|_| truth.part() * horizon.end),
-            turn_per_step: measured.then_some(watched.turn_per_step),
-            warning: far_turn(watched.turn_per_step),
+            truth: pose_error.map(|_| truth.method.clone()),
+            turn_per_step: trace.turn_per_step,
+            warning: trace.warning,
             ..Finding::without_run(class, reason(&trace.outcome), horizon.step)
         })
     }
@@ -147,16 +146,11 @@ impl Finding {
             joint_gap: None,
             pose_error: None,
             truth_until: None,
+            truth: None,
             turn_per_step: None,
             warning: None,
         }
     }
-}
-
-fn far_turn(turn: f64) -> Option<String> {
-    (turn > FAR_TURN).then(|| {
-        format!("a body turns by {turn:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a smaller step")
-    })
 }
 
 fn stretches(trace: &Trace) -> Vec<Stretch> {

@@ -10,6 +10,9 @@ pub struct Family {
     pub title: &'static str,
     /// What is asked of an engine here, one sentence.
     pub question: &'static str,
+    /// Engines that the family is meant for beside those of every family, where none is named: explicit methods, whose borders
+    /// it shows.
+    pub explicit: &'static [&'static str],
     pub scans: &'static [Scan],
 }
 
@@ -52,7 +55,8 @@ pub enum Length {
 pub enum Truth {
     /// Not at all: the motion is too long, or its phase is no concern.
     Unknown,
-    /// By an engine at a fine step, in units of the clock, which is halved to see how far the two agree.
+    /// By the reference or, where that does not come far, by an engine at a fine step, in units of the clock, which is halved
+    /// to see how far the two agree.
     Fine { engine: &'static str, step: fn(f64) -> f64 },
 }
 

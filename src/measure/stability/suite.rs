@@ -13,7 +13,8 @@ use crate::engines::Spec;
 #[derive(Debug)]
 pub struct Suite {
     pub families: Vec<&'static Family>,
-    pub engines: Vec<Spec>,
+    /// Engines of each family.
+    pub engines: Vec<Vec<Spec>>,
     /// Fewer values and steps.
     pub quick: bool,
     /// In the order of reports.
@@ -44,12 +45,26 @@ impl Scan {
 }
 
 impl Suite {
-    pub fn new(families: Vec<&'static Family>, engines: Vec<Spec>, quick: bool) -> Suite {
+    /// `engines` finds those of a family.
+    ///
+    /// # Errors
+    /// Those of `engines`.
+    pub fn new<E>(
+        families: Vec<&'static Family>,
+        engines: impl FnMut(&Family) -> Result<Vec<Spec>, E>,
+        quick: bool,
+    ) -> Result<Suite, E> {
+        let engines = families.iter().copied().map(engines).collect::<Result<_, E>>()?;
         let scans = families.iter().flat_map(|&family| family.scans.iter().map(move |scan| (family, scan)));
         let cases = scans
             .flat_map(|(family, scan)| scan.values(quick).iter().map(move |&value| Case::new(family, scan, value)))
             .collect();
-        Suite { families, engines, quick, cases }
+        Ok(Suite { families, engines, quick, cases })
+    }
+
+    fn engines_of(&self, family: &Family) -> &[Spec] {
+        let place = self.families.iter().position(|known| std::ptr::eq(*known, family));
+        place.map_or(&[], |place| &self.engines[place])
     }
 
     /// The cells of a shard in the order of reports: case, engine, step. Shards take the cases in turn, so that the truth of
@@ -58,7 +73,9 @@ impl Suite {
         let mine = self.cases.iter().skip(shard.index - 1).step_by(shard.of);
         mine.flat_map(|case| {
             let steps = case.scan.steps(self.quick);
-            self.engines.iter().flat_map(move |engine| steps.iter().map(move |&step| Cell { case, engine, step }))
+            self.engines_of(case.family)
+                .iter()
+                .flat_map(move |engine| steps.iter().map(move |&step| Cell { case, engine, step }))
         })
         .collect()
     }
@@ -142,8 +159,8 @@ mod tests {
     const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
 
     fn suite(quick: bool) -> Suite {
-        let engines = ENGINES.iter().map(|text| Spec::parse(text).expect("a spec")).collect();
-        Suite::new(FAMILIES.to_vec(), engines, quick)
+        let engines = |family: &Family| ENGINES.iter().chain(family.explicit).map(|text| Spec::parse(text)).collect();
+        Suite::new(FAMILIES.to_vec(), engines, quick).expect("specs")
     }
 
     /// Nominal seconds on one core, by family.
@@ -162,9 +179,10 @@ mod tests {
         let total = |costs: &[(&str, f64)]| costs.iter().map(|(_, cost)| cost).sum::<f64>();
         let (whole, quick) = (costs(&suite(false)), costs(&suite(true)));
         println!("whole {:.0} s: {whole:?}\nquick {:.0} s: {quick:?}", total(&whole), total(&quick));
-        // 30 and 2 minutes on two cores, with a third to spare.
+        // 30 and 2 minutes on two cores, with a third and a sixth to spare; most cases need either the reference or the fine
+        // runs, and both are counted: the quick suite takes 50 s of processor time.
         assert!(total(&whole) < 2400.0, "{whole:?}");
-        assert!(total(&quick) < 160.0, "{quick:?}");
+        assert!(total(&quick) < 200.0, "{quick:?}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! An engine that is watched: how far its joints part, how fast its bodies turn, and where they are at agreed times.
+//! An engine that is watched: how far its joints part, and where its bodies are at agreed times.
 
 use crate::engines::{Engine, StepFailure};
 use crate::measure::Horizon;
@@ -51,13 +51,9 @@ pub struct Watched<'a> {
     horizon: Horizon,
     taken: u64,
     state: State,
-    /// The state that was looked at before.
-    before: State,
     coordinates: Vec<JointCoordinates>,
     /// Largest gap so far: over the length of a link, or rad.
     pub joint_gap: f64,
-    /// Largest turn in a step so far, rad: by the angular velocity, and where every step is looked at by the attitudes too.
-    pub turn_per_step: f64,
     /// The number of each sample that falls on a step, 1 to [`SAMPLES`], with the state there.
     pub samples: Vec<(u64, State)>,
 }
@@ -71,10 +67,8 @@ impl<'a> Watched<'a> {
             horizon,
             taken: 0,
             state: system.initial.clone(),
-            before: system.initial.clone(),
             coordinates: system.initial_coordinates.clone(),
             joint_gap: 0.0,
-            turn_per_step: 0.0,
             samples: Vec::new(),
         }
     }
@@ -101,12 +95,6 @@ impl<'a> Watched<'a> {
             let gap = allowed.inv_mul(&(state.pose() * joint.in_child));
             keep_larger(&mut self.joint_gap, gap.translation.vector.norm() / self.scales.link);
             keep_larger(&mut self.joint_gap, gap.rotation.angle());
-            keep_larger(&mut self.turn_per_step, state.angular_velocity.norm() * self.horizon.step);
-        }
-        if self.stride() == 1 {
-            for (now, before) in self.state.bodies.iter().zip(&self.before.bodies) {
-                keep_larger(&mut self.turn_per_step, now.attitude.angle_to(&before.attitude));
-            }
         }
         for closure in &self.system.parts.loops {
             let locked = (0..6).filter(|&i| closure.locked()[i]);
@@ -124,7 +112,6 @@ impl Engine for Watched<'_> {
         self.taken += 1;
         let sample = self.sample();
         if sample.is_some() || self.taken.is_multiple_of(self.stride()) {
-            std::mem::swap(&mut self.state, &mut self.before);
             self.engine.write_state(&mut self.state);
             self.look();
         }
@@ -140,6 +127,14 @@ impl Engine for Watched<'_> {
 
     fn position_lag_s(&self) -> f64 {
         self.engine.position_lag_s()
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.engine.warning()
+    }
+
+    fn chooses_its_steps(&self) -> bool {
+        self.engine.chooses_its_steps()
     }
 }
 

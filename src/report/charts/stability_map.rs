@@ -53,7 +53,8 @@ fn meaning(class: Class) -> &'static str {
     }
 }
 
-pub fn draw(family: &FamilyRecord, engines: &[String]) -> Result<Vec<u8>, ChartError> {
+pub fn draw(family: &FamilyRecord) -> Result<Vec<u8>, ChartError> {
+    let engines = &family.engines;
     let scan_height = |scan: &ScanRecord| TITLE_HEIGHT + CELL_HEIGHT * scan.steps.len() as u32 + VALUES_HEIGHT;
     let height = ABOVE + family.scans.iter().map(scan_height).sum::<u32>() + 8;
     let count = engines.len().max(1) as u32;
@@ -143,18 +144,22 @@ fn panel(area: &Area, scan: &ScanRecord, engine: &str, (left, top): (u32, u32), 
     values(area, scan, edge, at(top + scan.steps.len() as u32 * CELL_HEIGHT + 6))
 }
 
-/// As many of the values as there is room for.
+/// Every value or, where there is no room for that, every second, third, ... of them.
 fn values(area: &Area, scan: &ScanRecord, edge: impl Fn(usize) -> i32, y: i32) -> Result<(), ChartError> {
     let style = style::font(SMALL, INK).pos(Pos::new(HPos::Center, VPos::Top));
-    let mut free = i32::MIN;
+    let mut places = Vec::new();
     for (i, value) in scan.values.iter().enumerate() {
         let words = compact(*value);
         let half = area.estimate_text_size(&words, &style)?.0 as i32 / 2;
-        let middle = (edge(i) + edge(i + 1)) / 2;
-        if middle - half > free {
-            area.draw(&Text::new(words, (middle, y), style.clone()))?;
-            free = middle + half + at(6);
-        }
+        places.push(((edge(i) + edge(i + 1)) / 2, half, words));
+    }
+    let fit = |stride: &usize| {
+        let shown: Vec<_> = places.iter().step_by(*stride).collect();
+        shown.windows(2).all(|pair| pair[0].0 + pair[0].1 + at(6) < pair[1].0 - pair[1].1)
+    };
+    let stride = (1..=places.len()).find(fit).unwrap_or(1);
+    for (middle, _, words) in places.into_iter().step_by(stride) {
+        area.draw(&Text::new(words, (middle, y), style.clone()))?;
     }
     Ok(())
 }

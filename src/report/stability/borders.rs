@@ -95,6 +95,7 @@ mod tests {
                     joint_gap: None,
                     pose_error: None,
                     truth_until_s: None,
+                    truth: None,
                     turn_per_step: None,
                     warning: None,
                 });

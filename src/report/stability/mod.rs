@@ -33,7 +33,7 @@ pub fn draw(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteErr
     prepare(folder)?;
     let mut pictures = Vec::new();
     for family in &report.results {
-        let png = stability_map::draw(family, &report.suite.engines)?;
+        let png = stability_map::draw(family)?;
         write_whole(&folder.join(format!("stability_{}.png", family.name)), &png)?;
         pictures.push(Picture {
             caption: "Class of every cell: the parameter to the right, the step upwards, a column an engine",
@@ -52,7 +52,7 @@ pub fn text(report: &StabilityReport) -> String {
         text += &format!("{}: {}\n", family.name, family.question);
         for scan in &family.scans {
             text += &format!("  {} ({}; {})\n", scan.name, scan.title, scan.parameter);
-            for engine in &report.suite.engines {
+            for engine in &family.engines {
                 text += &format!("    {engine}: {}\n", borders::sentence(scan, engine));
             }
         }

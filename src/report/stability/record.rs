@@ -21,8 +21,11 @@ pub struct SuiteRecord {
     pub versions: Versions,
     /// Fewer values and steps.
     pub quick: bool,
-    /// Engine specs.
+    /// Engine specs, for every family.
     pub engines: Vec<String>,
+    /// Whether families add the explicit methods that they are meant for.
+    #[serde(default)]
+    pub explicit: bool,
     /// Names of the families.
     pub families: Vec<String>,
 }
@@ -42,6 +45,8 @@ pub struct FamilyRecord {
     pub name: String,
     pub title: String,
     pub question: String,
+    /// Engine specs.
+    pub engines: Vec<String>,
     pub scans: Vec<ScanRecord>,
 }
 
@@ -91,6 +96,9 @@ pub struct CellRecord {
     /// Time up to which the truth is known and poses were compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth_until_s: Option<f64>,
+    /// How the truth was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<String>,
     /// Largest turn of a body in a step, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn_per_step: Option<f64>,
@@ -134,6 +142,7 @@ impl StoredCell {
                 joint_gap: digits(finding.joint_gap),
                 pose_error: digits(finding.pose_error),
                 truth_until_s: digits(finding.truth_until),
+                truth: finding.truth,
                 turn_per_step: digits(finding.turn_per_step),
                 warning: finding.warning,
             },
@@ -172,14 +181,21 @@ pub enum IncompleteError {
 }
 
 impl SuiteRecord {
-    pub fn new(families: &[&Family], engines: &[Spec], quick: bool) -> SuiteRecord {
+    pub fn new(families: &[&Family], engines: &[Spec], explicit: bool, quick: bool) -> SuiteRecord {
         SuiteRecord {
             schema: SCHEMA.to_string(),
             versions: environment::versions(),
             quick,
             engines: engines.iter().map(Spec::to_string).collect(),
+            explicit,
             families: families.iter().map(|family| family.name.to_string()).collect(),
         }
+    }
+
+    /// Engine specs of a family.
+    pub fn engines_of(&self, family: &Family) -> Vec<String> {
+        let more = family.explicit.iter().filter(|_| self.explicit).map(|text| text.to_string());
+        self.engines.iter().cloned().chain(more).collect()
     }
 
     fn family(&self, name: &str) -> Result<&'static Family, IncompleteError> {
@@ -198,11 +214,12 @@ impl StabilityReport {
         let (mut results, mut all, mut missing) = (Vec::new(), 0, Vec::new());
         for name in &suite.families {
             let family = suite.family(name)?;
+            let engines = suite.engines_of(family);
             let mut scans = Vec::new();
             for scan in family.scans {
                 let (values, steps) = (scan.values(suite.quick), scan.steps(suite.quick));
                 let mut found = Vec::new();
-                for (value, engine, step) in product(values, &suite.engines, steps) {
+                for (value, engine, step) in product(values, &engines, steps) {
                     let key = Key::new(&scan.id(family), value, engine, step);
                     all += 1;
                     match cells.get(&key) {
@@ -221,7 +238,7 @@ impl StabilityReport {
                 });
             }
             let (title, question) = (family.title.to_string(), family.question.to_string());
-            results.push(FamilyRecord { name: name.clone(), title, question, scans });
+            results.push(FamilyRecord { name: name.clone(), title, question, engines, scans });
         }
         match missing.first() {
             Some(first) => Err(IncompleteError::Missing { missing: missing.len(), all, first: first.words() }),

@@ -98,6 +98,7 @@ fn difference(there: &SuiteRecord, here: &SuiteRecord) -> Option<String> {
     differ("schema", there.schema.clone(), here.schema.clone())
         .or_else(|| differ("the list of families", names(&there.families), names(&here.families)))
         .or_else(|| differ("the list of engines", names(&there.engines), names(&here.engines)))
+        .or_else(|| differ("the use of explicit methods", there.explicit.to_string(), here.explicit.to_string()))
         .or_else(|| differ("the extent", kind(there.quick), kind(here.quick)))
         .or_else(|| {
             (there.versions != here.versions).then(|| "it was begun by another version of the program".to_string())

@@ -1,7 +1,11 @@
 //! False solutions: a step's equations have others than the one that continues the motion.
 
+use nalgebra::Vector3;
+
 use super::{Failure, Rattle};
+use crate::variational::joints::Node;
 use crate::variational::loops::StepEnergy;
+use crate::variational::spatial::Spatial;
 
 /// The part of the kinetic energy between the half kicks that may be that of the kick: of a first solution, and of one that no
 /// lower degree of the extrapolation betters. In whips of 10 to 50 links with `h |Omega|` near 1 right solutions have up to
@@ -34,33 +38,33 @@ impl Rattle {
         }
     }
 
-    /// Kinetic energy of the momenta at the start of the step, J. Light bodies are left out.
+    /// Kinetic energy of the momenta at the start of the step, J.
     fn kinetic_energy(&self) -> f64 {
-        let heavy = (1..self.nodes.len()).filter(|&i| !self.nodes[i].light);
-        heavy
-            .map(|i| {
-                let (node, body) = (&self.nodes[i], &self.bodies[i]);
-                let spin = self.pose[i].r.tr_mul(&body.pi.value);
-                let spinning = spin.component_mul(&spin).component_div(&node.inertia).sum();
-                0.5 * (body.p.value.norm_squared() / node.mass + spinning)
-            })
-            .sum()
+        let moving = self.nodes.iter().zip(&self.bodies).zip(&self.pose).skip(1);
+        moving.map(|((node, body), pose)| kinetic_energy(node, &body.p.value, &pose.r.tr_mul(&body.pi.value))).sum()
     }
 
-    /// The energies of the step that is being tried. Light bodies are left out.
+    /// The energies of the step that is being tried.
     fn step_energy(&self, h: f64) -> StepEnergy {
         let mut sum = StepEnergy::default();
-        for ((node, body), trial) in self.nodes.iter().zip(&self.bodies).zip(&self.trial).skip(1) {
-            if node.light {
-                continue;
-            }
-            let p = body.p.plus(&trial.kick.linear);
-            let spin = trial.hm.component_mul(&trial.hm).component_div(&node.inertia).sum() / (h * h);
-            sum.kinetic += 0.5 * (p.norm_squared() / node.mass + spin);
+        for i in 1..self.nodes.len() {
+            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
+            sum.kinetic += if node.light {
+                let Spatial { linear, angular } = self.momentum_of_motion(i, h);
+                kinetic_energy(node, &linear, &self.pose[i].r.tr_mul(&angular))
+            } else {
+                kinetic_energy(node, &body.p.plus(&trial.kick.linear), &(trial.hm / h))
+            };
             sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
             sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
         }
         sum.work += self.forces.iter().map(|force| force.work(h)).sum::<f64>();
         sum
     }
+}
+
+/// Kinetic energy of a body by its momentum and its angular momentum in body axes, J; none where there is no inertia.
+fn kinetic_energy(node: &Node, linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
+    let part = |square: f64, inertia: f64| if inertia > 0.0 { 0.5 * square / inertia } else { 0.0 };
+    part(linear.norm_squared(), node.mass) + (0..3).map(|k| part(angular[k] * angular[k], node.inertia[k])).sum::<f64>()
 }

@@ -60,7 +60,7 @@ pub(super) fn mark(nodes: &mut [Node], length: f64, all: bool) {
 
 impl Rattle {
     /// The momentum of a light body's motion.
-    fn momentum_of_motion(&self, i: usize, h: f64) -> Wrench {
+    pub(super) fn momentum_of_motion(&self, i: usize, h: f64) -> Wrench {
         let (node, trial) = (&self.nodes[i], &self.trial[i]);
         let js = node.inertia.component_mul(&trial.s);
         let hm = 2.0 * (js + trial.s.cross(&js) + trial.s * trial.s.dot(&js));

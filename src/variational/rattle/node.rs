@@ -29,7 +29,7 @@ impl Rattle {
             loops.copy_from(from);
         }
         (self.time, self.rounds) = (other.time, other.rounds);
-        self.factorise()
+        self.factorise(0.0)
     }
 
     /// Time since the start, s.

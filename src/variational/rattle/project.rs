@@ -3,14 +3,15 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Failure, RETURN, Rattle, add_joint_impulse};
+use crate::variational::forces::JointForce;
 use crate::variational::joints::{Node, Place, Pose, keep_locked, mismatch};
 use crate::variational::method::Method;
 use crate::variational::spatial::{Spatial, Wrench};
 use crate::variational::tree::Singular;
 
 impl Rattle {
-    /// Places the joints at the start configuration and factorises there.
-    pub(super) fn factorise(&mut self) -> Result<(), Failure> {
+    /// Places the joints in the present configuration and factorises there, for the end of a step of size `h`.
+    pub(super) fn factorise(&mut self, h: f64) -> Result<(), Failure> {
         for i in 1..self.nodes.len() {
             let parent = self.nodes[i].parent;
             let parent_arm = self.places[parent].arm;
@@ -18,9 +19,10 @@ impl Rattle {
             self.places[i] = Place::new(node, pose, parent, &parent_arm);
             self.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
         }
-        let (nodes, pose) = (&self.nodes, &self.pose);
+        let (nodes, pose, forces) = (&self.nodes, &self.pose, &self.forces);
+        let late = |i: usize| if self.implicit.is_some() { late(nodes, forces, i, h) } else { 0.0 };
         self.tree
-            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
+            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), late)
             .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         if let Some(loops) = &mut self.loops {
             loops.place(nodes, pose, &self.places, RETURN);
@@ -63,7 +65,9 @@ impl Rattle {
         );
         for i in 1..self.nodes.len() {
             // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
-            keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            if late(&self.nodes, &self.forces, i, h) == 0.0 {
+                keep_locked(&self.nodes[i], &self.places[i], &mut self.wrench[i]);
+            }
             if self.method == Method::Shake && h != 0.0 {
                 continue;
             }
@@ -75,6 +79,12 @@ impl Rattle {
             body.pi.add(&trial.kick.angular);
         }
     }
+}
+
+/// What the force of a joint adds to `D` at the end of a step of size `h`.
+#[inline(always)]
+fn late(nodes: &[Node], forces: &[JointForce], i: usize, h: f64) -> f64 {
+    nodes[i].force.map_or(0.0, |k| forces[k].late(h))
 }
 
 /// `w M^-1 w` of a wrench about the centre of mass of a free body.

@@ -13,6 +13,7 @@ pub(super) static FAMILY: Family = Family {
     name: "geometry",
     title: "Extreme geometry",
     question: "do size, shape and singular positions matter?",
+    explicit: &[],
     scans: &[
         Scan {
             name: "size",

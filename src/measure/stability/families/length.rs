@@ -23,6 +23,7 @@ pub(super) static FAMILY: Family = Family {
     name: "length",
     title: "Long chains",
     question: "do joints and energy hold when a chain has many links?",
+    explicit: &[],
     scans: &[
         Scan {
             name: "hanging",

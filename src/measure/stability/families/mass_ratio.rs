@@ -22,6 +22,7 @@ pub(super) static FAMILY: Family = Family {
     name: "mass_ratio",
     title: "Mass ratios",
     question: "does a light link keep a heavy one?",
+    explicit: &[],
     scans: &[
         Scan { name: "tip_of_2", title: "two rods, the last light or heavy", scene: |r| tip(2, r), ..TIP },
         Scan { name: "tip_of_5", title: "five rods, the last light or heavy", scene: |r| tip(5, r), ..TIP },
@@ -43,27 +44,27 @@ pub(super) static FAMILY: Family = Family {
         },
         Scan {
             name: "middle_of_3",
-            title: "three rods, the middle one light",
+            title: "three rods, the middle one light or without mass",
             parameter: "mass of the middle rod over that of the others",
-            full_values: &[1e-12, 1e-9, 1e-7, 1e-5, 1e-3, 1e-1],
-            quick_values: &[1e-12, 1e-3],
+            full_values: &[0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3, 1e-1],
+            quick_values: &[0.0, 1e-3],
             scene: |ratio| chain(3, |i| if i == 2 { ratio } else { 1.0 }, 0.1),
             ..TIP
         },
         Scan {
             name: "point_mass",
-            title: "two rods, the last ever closer to a point mass",
+            title: "two rods, the last ever closer to a point mass, and one",
             parameter: "radius of gyration, m",
-            full_values: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1],
-            quick_values: &[1e-6, 1e-2],
+            full_values: &[0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1],
+            quick_values: &[0.0, 1e-2],
             scene: point_mass,
             ..TIP
         },
         Scan {
             name: "cart",
-            title: "a pole of 1 kg on a cart",
+            title: "a pole of 1 kg on a cart, light or without mass",
             parameter: "mass of the cart, kg",
-            full_values: &[1e-6, 1e-4, 1e-2, 1.0, 1e2],
+            full_values: &[0.0, 1e-6, 1e-4, 1e-2, 1.0, 1e2],
             quick_values: &[1e-6, 1.0],
             scene: cart,
             ..TIP
@@ -94,8 +95,8 @@ fn point_mass(gyration: f64) -> Scene {
 /// A cart on a rail along x; its pole of 1 m starts 1 rad from upright.
 fn cart(mass: f64) -> Scene {
     let mut assembly = Assembly::new("cart");
-    let block = Inertial::block(Vector3::new(0.4, 0.2, 0.2), mass);
-    let cart = assembly.add(0, Mount::slider(Vector3::x_axis(), Vector3::zeros()), Some(block));
+    let block = Some(Inertial::block(Vector3::new(0.4, 0.2, 0.2), mass)).filter(|block| block.mass > 0.0);
+    let cart = assembly.add(0, Mount::slider(Vector3::x_axis(), Vector3::zeros()), block);
     assembly.add(cart, Mount::hinge(Vector3::y_axis(), Vector3::zeros()), Some(Inertial::rod(1.0, 0.02, 1.0)));
     let mut scene = assembly.scene();
     scene.initial[1].position = vec![1.0 - std::f64::consts::FRAC_PI_2];

@@ -26,6 +26,9 @@ pub static FAMILIES: [&Family; 7] = [
     &start::FAMILY,
 ];
 
+/// Methods of the textbook in joint coordinates, with forces at the present state.
+const EXPLICIT: [&str; 2] = ["rk4", "semi_implicit_euler"];
+
 /// What most scans have in common.
 const SCAN: Scan = Scan {
     name: "",
@@ -54,14 +57,14 @@ fn rods_of_two(_: f64) -> Scene {
 }
 
 /// A chain of rods along x from the ground, their hinges about y and z in turn, each bent by `bend` rad. Rod `i` of `n`,
-/// from 1, has the mass `mass(i)` kg.
+/// from 1, has the mass `mass(i)` kg; none is an empty link.
 fn chain(n: usize, mass: impl Fn(usize) -> f64, bend: f64) -> Scene {
     let mut assembly = Assembly::new("chain");
     for i in 1..=n {
         let axis = if i % 2 == 1 { Vector3::y_axis() } else { Vector3::z_axis() };
         let reach = if i == 1 { 0.0 } else { ROD_LENGTH };
-        let rod = Inertial::rod(ROD_LENGTH, ROD_RADIUS, mass(i));
-        assembly.add(i - 1, Mount::hinge(axis, Vector3::new(reach, 0.0, 0.0)), Some(rod));
+        let rod = Some(Inertial::rod(ROD_LENGTH, ROD_RADIUS, mass(i))).filter(|rod| rod.mass > 0.0);
+        assembly.add(i - 1, Mount::hinge(axis, Vector3::new(reach, 0.0, 0.0)), rod);
     }
     let mut scene = assembly.scene();
     for initial in scene.initial.iter_mut().skip(1) {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
-use super::{Family, Length, SCAN, Scan, Truth, start};
+use super::{EXPLICIT, Family, Length, SCAN, Scan, Truth, start};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::JointInitial;
 use crate::model::{Base, Inertial, Scene};
@@ -21,6 +21,7 @@ pub(super) static FAMILY: Family = Family {
     name: "spin",
     title: "Fast spin",
     question: "is a body that turns by a radian and more in a step still right?",
+    explicit: &EXPLICIT,
     scans: &[
         Scan { name: "top", title: "a heavy disc on a ball joint, spinning about its axis", scene: top, ..SPIN },
         Scan { name: "rod", title: "a slender rod on a ball joint, swept about the vertical", scene: rod, ..SPIN },

@@ -14,6 +14,7 @@ pub(super) static FAMILY: Family = Family {
     name: "start",
     title: "Initial states",
     question: "is a state that is legal but odd taken as it is meant, and one that is impossible refused?",
+    explicit: &[],
     scans: &[
         Scan {
             name: "angle",

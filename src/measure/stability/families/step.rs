@@ -1,11 +1,12 @@
 //! Tiny steps, and very many of them.
 
-use super::{FINE, Family, Length, SCAN, Scan, Truth, chain};
+use super::{EXPLICIT, FINE, Family, Length, SCAN, Scan, Truth, chain};
 
 pub(super) static FAMILY: Family = Family {
     name: "step",
     title: "Tiny steps and long runs",
     question: "does roundoff stay out when steps are tiny or very many?",
+    explicit: &EXPLICIT,
     scans: &[
         Scan {
             name: "size",

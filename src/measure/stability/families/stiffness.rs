@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Family, ROD_LENGTH, SCAN, Scan, Truth, chain};
+use super::{EXPLICIT, Family, ROD_LENGTH, SCAN, Scan, Truth, chain};
 use crate::model::Scene;
 use crate::model::scene::{Anchor, Spring};
 
@@ -17,6 +17,7 @@ pub(super) static FAMILY: Family = Family {
     name: "stiffness",
     title: "Stiff springs and dampers",
     question: "does a force that is far faster than the step stay harmless?",
+    explicit: &EXPLICIT,
     scans: &[
         Scan {
             name: "joint_spring",

@@ -300,6 +300,7 @@ fn timeless(mut report: Report) -> String {
     if let Some(sweep) = &mut report.sweep {
         sweep.runs.iter_mut().for_each(|run| run.time = None);
         sweep.targets.clear();
+        sweep.expectations.clear();
     }
     report.command = String::new();
     report.to_json().expect("JSON")

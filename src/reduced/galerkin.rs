@@ -10,7 +10,7 @@
 //! q1  = q0 + sum_j h b_j qdot_j ,    p1 = p0 + sum_j h b_j pdot_j               (4)
 //! ```
 //!
-//! The stages are predicted one [`LANES`] of them after the other, by the explicit Adams method on the nodes before them,
+//! The stages are predicted one `LANES` of them after the other, by the explicit Adams method on the nodes before them,
 //! those of the last step included: a node is much nearer to the next than a step is long, so the prediction errs far less
 //! than an extrapolation over the whole step. Then (3) is solved for the corrections of the `u_i` with the mass matrix that
 //! was factorised at the predicted stage; each further round costs two sweeps of vectors over the tree and no factorisation.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::expectation::{Expectation, expectations};
+use super::expectation::{Expectation, expectations, over_long_times};
 use super::front;
 use super::record::Run;
 use crate::measure::accuracy::Accuracy as MeasuredAccuracy;
@@ -207,12 +207,14 @@ impl Timing {
 }
 
 impl Sweep {
-    pub(super) fn new(sweep: &MeasuredSweep, system: &System) -> Sweep {
+    /// `compared` are the runs of the comparison that the sweep belongs to.
+    pub(super) fn new(sweep: &MeasuredSweep, system: &System, compared: &[Run]) -> Sweep {
         let runs: Vec<Run> =
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
         let convergence = convergence(&runs, 10.0 * sweep.error_estimate);
         let targets = targets(&runs, sweep.error_estimate);
-        let expectations = expectations(&runs, sweep.error_estimate);
+        let mut expectations = expectations(&runs, sweep.error_estimate);
+        expectations.extend(over_long_times(compared));
         Sweep { until_s: sweep.until, reference_error: sweep.error_estimate, runs, convergence, targets, expectations }
     }
 }

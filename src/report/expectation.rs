@@ -2,7 +2,9 @@
 //!
 //! On smooth motions, at an error that single steps of low order do not reach, `galerkin` is expected to cost at most as much
 //! as `dop853` and `rattle` at most four times as much; and at the cost of rapier's most accurate run `rattle` is expected
-//! to err 1e4 times less. Each is told with the figures of the runs, and with the reason where it is not so.
+//! to err 1e4 times less. Over long times, whose energy error only symplectic methods bound, both are expected to keep the
+//! energy ten times better than `dop853` at equal cost. Each is told with the figures of the runs, and with the reason where
+//! it is not so.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,6 +28,10 @@ const ERRORS: [f64; 2] = [1e-9, 1e-8];
 const MOST_COST: [(&str, f64); 2] = [("galerkin", 1.0), ("rattle", 4.0)];
 /// Times the error of `rattle` that rapier's is expected to be at least, at equal cost.
 const LEAST_GAIN: f64 = 1e4;
+/// Runs of at least this time, s, are long.
+const LONG: f64 = 100.0;
+/// Times the energy error of `galerkin` and `rattle` that `dop853`'s is expected to be at least over a long run, at equal cost.
+const LEAST_ENERGY_GAIN: f64 = 10.0;
 
 pub(super) fn expectations(runs: &[Run], reference_error: f64) -> Vec<Expectation> {
     let cost = MOST_COST.into_iter().filter_map(|(engine, most)| cost(runs, reference_error, engine, most));
@@ -124,6 +130,37 @@ fn gain(runs: &[Run]) -> Option<Expectation> {
     Some(Expectation { expected, holds, found })
 }
 
+/// What long runs say, where `dop853` was run.
+pub(super) fn over_long_times(runs: &[Run]) -> Vec<Expectation> {
+    let long: Vec<&Run> = runs.iter().filter(|run| run.duration_s >= LONG).collect();
+    ["galerkin", "rattle"].into_iter().filter_map(|engine| energy(&long, engine)).collect()
+}
+
+/// At the cost of the run of `dop853` that keeps the energy best.
+fn energy(runs: &[&Run], engine: &'static str) -> Option<Expectation> {
+    let known = |engine: &'static str| {
+        let own = runs.iter().filter(move |run| family(&run.engine) == engine);
+        own.filter_map(|run| Some((*run, front::cost(run)?, run.energy.as_ref()?.max_relative_error)))
+    };
+    let (rival, cost, error) = known("dop853").min_by(|a, b| a.2.total_cmp(&b.2))?;
+    known(engine).next()?;
+    let over = plain(rival.duration_s, 2);
+    let expected = format!(
+        "over {over} s {engine} errs in energy {} times less than dop853 at equal cost",
+        plain(LEAST_ENERGY_GAIN, 2)
+    );
+    let run = format!("{} errs by {} for {} s a simulated second", setting(rival), written(error), plain(cost, 2));
+    let Some((own, own_cost, own_error)) = known(engine).filter(|k| k.1 <= cost).min_by(|a, b| a.2.total_cmp(&b.2))
+    else {
+        return Some(Expectation { expected, holds: false, found: format!("{run}; no run of {engine} is as cheap") });
+    };
+    let found = format!("{run}, {} by {} for {}", setting(own), written(own_error), plain(own_cost, 2));
+    let holds = error >= LEAST_ENERGY_GAIN * own_error;
+    let found =
+        if holds { found } else { format!("{found}; the error of dop853 grows with time, and has not by then") };
+    Some(Expectation { expected, holds, found })
+}
+
 /// `rattle:order=8 at 20 ms`; the step of an engine with a tolerance says only how often its state was read.
 fn setting(run: &Run) -> String {
     match run.engine.contains("tolerance=") {
@@ -143,6 +180,7 @@ impl Expectation {
 #[cfg(test)]
 mod tests {
     use super::super::front::tests::run;
+    use super::super::record::Energy;
     use super::*;
 
     fn all(galerkin: f64, rattle: f64, rapier: f64) -> Vec<Run> {
@@ -177,6 +215,35 @@ mod tests {
         assert!(
             found[1].sentence().starts_with("As expected, for 10⁻⁹ rattle costs at most 4 times as much as dop853: ")
         );
+    }
+
+    #[test]
+    fn long_runs_are_judged_by_their_energy() {
+        let with = |engine: &str, cost: f64, energy: f64, duration: f64| {
+            let energy = Energy {
+                scale_j: 1.0,
+                max_relative_error: energy,
+                final_relative_error: energy,
+                slope_per_s: None,
+                growth_exponent: None,
+                growth_exponent_interval: None,
+                verdict: None,
+                time_level_corrected: None,
+            };
+            Run { duration_s: duration, energy: Some(energy), ..run(engine, cost, 1.0) }
+        };
+        let runs = |duration: f64| {
+            vec![
+                with("dop853", 1e-3, 2e-11, duration),
+                with("galerkin", 9e-4, 1e-12, duration),
+                with("rattle:order=8", 8e-4, 5e-12, duration),
+                with("rattle:order=8", 2e-3, 1e-15, duration),
+            ]
+        };
+        let found = over_long_times(&runs(100.0));
+        assert_eq!(found.iter().map(|e| e.holds).collect::<Vec<bool>>(), [true, false]);
+        assert!(found[1].sentence().contains("rattle errs in energy 10 times less"), "{}", found[1].sentence());
+        assert_eq!(over_long_times(&runs(10.0)), []);
     }
 
     #[test]

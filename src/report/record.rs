@@ -283,12 +283,13 @@ impl Report {
 
     /// The record of a comparison with the evidence for it.
     pub fn of_study(scene: &Scene, system: &System, findings: &Findings, command: String) -> Report {
+        let plain = Report::new(scene, system, &findings.results, command);
         Report {
             parity: Parity::new(&findings.parity),
             reference: findings.truth.as_ref().map(Reference::new),
             timing: findings.overhead.map(|_| Timing::new(findings)),
-            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system)),
-            ..Report::new(scene, system, &findings.results, command)
+            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system, &plain.runs)),
+            ..plain
         }
     }
 

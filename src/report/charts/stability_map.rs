@@ -177,7 +177,7 @@ fn square(
     area.draw(&Rectangle::new(corners, fill.filled()))?;
     area.draw(&Rectangle::new(corners, GREY.stroke_width(px(1))))?;
     let style = style::bold(SMALL, ink).pos(Pos::new(HPos::Center, VPos::Center));
-    let letter = if warning { format!("{letter}!") } else { letter.to_string() };
+    let letter = if warning { format!("{letter}\u{2009}!") } else { letter.to_string() };
     area.draw(&Text::new(letter, (x + width / 2, y + height / 2), style))?;
     Ok(())
 }

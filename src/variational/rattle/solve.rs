@@ -19,7 +19,7 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// Or, on a tree, with the correction of a residual that is this part of roundoff. A linkage, which repeats its motion, lost
 /// 2.2e-20 of its energy scale a solve by that on average; with [`NEGLIGIBLE`] alone it loses at most 1.3e-21.
-const SETTLED: f64 = 0.03;
+const SETTLED: f64 = 0.3;
 
 impl Rattle {
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).

@@ -3,22 +3,9 @@
 mod common;
 
 use common::*;
-use nalgebra::{Isometry3, Matrix3, Vector3};
 use rattlebench::mechanics::{State, System};
-use rattlebench::model::JointKind::Revolute;
 use rattlebench::variational::Rattle;
 use rattlebench::variational::composition::{self, Composition};
-
-/// Two points of 1 kg on massless rods of 1 m, released at rest from horizontal, g = 9.81 m/s^2.
-fn double_pendulum() -> System {
-    let mut scene = chain(&[(Revolute, Vector3::y()); 2]);
-    for link in &mut scene.model.links[1..] {
-        let inertial = link.inertial.as_mut().unwrap();
-        (inertial.com, inertial.inertia) = (Vector3::x(), Matrix3::zeros());
-    }
-    scene.model.joints[1].origin = Isometry3::translation(1.0, 0.0, 0.0);
-    compile(&scene)
-}
 
 /// The state after 5 s of `n` steps.
 fn end(system: &System, composition: &Composition, n: usize) -> State {

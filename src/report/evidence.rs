@@ -136,11 +136,18 @@ pub struct Cheapest {
     /// The engine without its settings.
     pub family: String,
     pub reached: bool,
+    /// 1 where no engine reaches the target for less. Engines share a rank whose costs differ by less than a quarter, which is what
+    /// timing tells apart on a machine with other work.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rank: Option<usize>,
     pub engine: String,
     pub step_s: f64,
     pub max_joint_error: f64,
     pub s_per_simulated_s: f64,
 }
+
+/// Ratio of costs below which they are alike.
+const ALIKE: f64 = 1.25;
 
 /// Joint position errors that a summary is given for, rad or m.
 pub const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
@@ -237,9 +244,23 @@ fn targets(runs: &[Run], reference_error: f64) -> Vec<Target> {
     let families = front::families(runs);
     let found = judged.map(|target| Target {
         max_joint_error: target,
-        engines: families.iter().filter_map(|(family, runs)| cheapest(family, runs, target)).collect(),
+        engines: ranked(families.iter().filter_map(|(family, runs)| cheapest(family, runs, target)).collect()),
     });
     found.filter(|target| !target.engines.is_empty()).collect()
+}
+
+/// Costs are alike that are less than a quarter above the least of those that share their rank.
+fn ranked(mut engines: Vec<Cheapest>) -> Vec<Cheapest> {
+    let mut reached: Vec<&mut Cheapest> = engines.iter_mut().filter(|e| e.reached).collect();
+    reached.sort_by(|a, b| a.s_per_simulated_s.total_cmp(&b.s_per_simulated_s));
+    let (mut rank, mut least) = (0, 0.0);
+    for (place, engine) in reached.into_iter().enumerate() {
+        if place == 0 || engine.s_per_simulated_s >= ALIKE * least {
+            (rank, least) = (place + 1, engine.s_per_simulated_s);
+        }
+        engine.rank = Some(rank);
+    }
+    engines
 }
 
 fn cheapest(family: &str, runs: &[&Run], target: f64) -> Option<Cheapest> {
@@ -252,9 +273,38 @@ fn cheapest(family: &str, runs: &[&Run], target: f64) -> Option<Cheapest> {
     Some(Cheapest {
         family: family.to_string(),
         reached: best.is_some(),
+        rank: None,
         engine: run.engine.clone(),
         step_s: run.step_s,
         max_joint_error: *error,
         s_per_simulated_s: *cost,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn costs_that_timing_does_not_tell_apart_share_a_rank() {
+        let cheapest = |cost: f64, reached: bool| Cheapest {
+            family: "rattle".to_string(),
+            reached,
+            rank: None,
+            engine: "rattle".to_string(),
+            step_s: 1e-3,
+            max_joint_error: 1e-6,
+            s_per_simulated_s: cost,
+        };
+        let ranks = |costs: [f64; 4]| {
+            let engines = ranked(costs.map(|cost| cheapest(cost, cost < 9.0)).to_vec());
+            engines.iter().map(|e| e.rank).collect::<Vec<_>>()
+        };
+        assert_eq!(ranks([1.1, 3.0, 1.0, 9.0]), [Some(1), Some(3), Some(1), None]);
+        // Changed by a few percent each, the rank is the same; by more, it is not.
+        assert_eq!(ranks([1.0, 2.9, 1.08, 9.0]), [Some(1), Some(3), Some(1), None]);
+        assert_eq!(ranks([1.3, 3.0, 1.0, 9.0]), [Some(2), Some(3), Some(1), None]);
+        // Each is near the one before it, but the third is not near the first.
+        assert_eq!(ranks([1.0, 1.2, 1.3, 1.4]), [Some(1), Some(1), Some(3), Some(3)]);
+    }
 }

@@ -72,20 +72,23 @@ impl Words {
 }
 
 /// What the sweep shows, in a sentence: for the target nearest to 1e-6 that an engine reaches, what it costs each of them,
-/// the cheapest first, and which do not reach it.
+/// the cheapest first, those of one rank as they are listed, and which do not reach it.
 pub fn sentence(sweep: &Sweep) -> Option<String> {
     let reached = sweep.targets.iter().filter(|t| t.engines.iter().any(|e| e.reached));
     let far = |t: &Target| (t.max_joint_error / 1e-6).ln().abs();
     let target = reached.min_by(|a, b| far(a).total_cmp(&far(b)))?;
     let mut engines: Vec<&Cheapest> = target.engines.iter().filter(|e| e.reached).collect();
-    engines.sort_by(|a, b| a.s_per_simulated_s.total_cmp(&b.s_per_simulated_s));
+    // Engines of one rank stay as they are listed.
+    engines.sort_by_key(|e| e.rank);
     let cost = |e: &Cheapest| plain(e.s_per_simulated_s, 2);
+    let alike = |i: usize| i > 0 && engines[i].rank.is_some() && engines[i].rank == engines[i - 1].rank;
     let mut parts: Vec<String> = engines
         .iter()
         .enumerate()
         .map(|(i, e)| {
             let words = if i == 0 { " s of CPU time a simulated second" } else { " s" };
-            format!("{} needs {}{words}", named(e), cost(e))
+            let verb = if alike(i) { "is as cheap with" } else { "needs" };
+            format!("{} {verb} {}{words}", named(e), cost(e))
         })
         .collect();
     for e in target.engines.iter().filter(|e| !e.reached) {
@@ -109,10 +112,11 @@ fn named(e: &Cheapest) -> String {
 mod tests {
     use super::*;
 
-    fn cheapest(engine: &str, reached: bool, cost: f64, error: f64) -> Cheapest {
+    fn cheapest(engine: &str, rank: Option<usize>, cost: f64, error: f64) -> Cheapest {
         Cheapest {
             family: super::super::front::family(engine).to_string(),
-            reached,
+            reached: rank.is_some(),
+            rank,
             engine: engine.to_string(),
             step_s: 0.02,
             max_joint_error: error,
@@ -122,7 +126,7 @@ mod tests {
 
     fn sweep() -> Sweep {
         let target = |max_joint_error: f64, engines: Vec<Cheapest>| Target { max_joint_error, engines };
-        let rapier = cheapest("rapier:preset=strong", false, 0.2, 3e-5);
+        let rapier = cheapest("rapier:preset=strong", None, 0.2, 3e-5);
         Sweep {
             until_s: 2.0,
             reference_error: 1e-12,
@@ -133,12 +137,13 @@ mod tests {
                 target(
                     1e-6,
                     vec![
-                        cheapest("rattle:order=8", true, 0.004, 2e-7),
+                        cheapest("rattle:order=8", Some(3), 0.004, 2e-7),
                         rapier.clone(),
-                        cheapest("dop853:tolerance=1e-8", true, 0.0011, 1e-7),
+                        cheapest("galerkin:stages=6", Some(1), 0.0012, 1e-7),
+                        cheapest("dop853:tolerance=1e-8", Some(1), 0.0011, 1e-7),
                     ],
                 ),
-                target(1e-8, vec![cheapest("rattle:order=8", false, 0.01, 2e-8), rapier]),
+                target(1e-8, vec![cheapest("rattle:order=8", None, 0.01, 2e-8), rapier]),
             ],
         }
     }
@@ -147,8 +152,8 @@ mod tests {
     fn the_sentence_names_the_cheapest_first_and_who_does_not_reach_it() {
         assert_eq!(
             sentence(&sweep()).expect("a target is reached"),
-            "For joint positions to 10⁻⁶ rad or m over the first 2 s, dop853:tolerance=1e-8 needs 0.0011 s of CPU time a \
-             simulated second; rattle:order=8 at 20 ms needs 0.004 s; rapier does not reach it: its best here is 3.0 × 10⁻⁵ \
+            "For joint positions to 10⁻⁶ rad or m over the first 2 s, galerkin:stages=6 at 20 ms needs 0.0012 s of CPU time a \
+             simulated second; dop853:tolerance=1e-8 is as cheap with 0.0011 s; rattle:order=8 at 20 ms needs 0.004 s; rapier does not reach it: its best here is 3.0 × 10⁻⁵ \
              for 0.2 s."
         );
     }
@@ -159,7 +164,8 @@ mod tests {
         assert_eq!(table.head, ["engine", "10⁻⁶", "10⁻⁸"]);
         assert_eq!(table.rows[0], ["rattle", "4.0e-3 (order=8, 20 ms)", "not reached"]);
         assert_eq!(table.rows[1], ["rapier", "not reached", "not reached"]);
-        assert_eq!(table.rows[2], ["dop853", "1.1e-3 (tolerance=1e-8)", "not reached"]);
-        assert!(table.text().lines().nth(2).is_some_and(|line| line.starts_with("rapier  not reached  ")));
+        assert_eq!(table.rows[2], ["galerkin", "1.2e-3 (stages=6, 20 ms)", "not reached"]);
+        assert_eq!(table.rows[3], ["dop853", "1.1e-3 (tolerance=1e-8)", "not reached"]);
+        assert!(table.text().lines().nth(2).is_some_and(|line| line.starts_with("rapier    not reached  ")));
     }
 }

@@ -4,6 +4,31 @@
 //! weights of sum 1 that meet the order conditions (`sum w^3 = 0`, then `sum w^5 = 0`, ...) it is a symmetric, symplectic map
 //! of order 4, 6 or 8 on the same manifold. Weights of order above 2 cannot all be positive (Suzuki 1991), so a damper,
 //! which has no backward motion, does not go with them.
+//!
+//! Other published sets beside those that ship, at the same number of solves (`tests/composition_sets.rs`): errors over those of
+//! what ships, of the positions at the end and of the energy, on a spatial chain of five links (1 s) and on a planar double
+//! pendulum (5 s); geometric means over three or four numbers of solves, from 500 to 8000. Below 1 is better than what ships.
+//!
+//! | order | set, stages | chain | pendulum |
+//! | --- | --- | --- | --- |
+//! | 4 | Yoshida 1990, 3 | 9.2, 3.6 | 9.2, 4.6 |
+//! | 4 | 7 with equal weights but the middle one | 0.56, 1.07 | 0.56, 0.99 |
+//! | 4 | 9 with equal weights but the middle one | 0.44, 1.35 | 0.46, 1.21 |
+//! | 4 | 11 with equal weights but the middle one | 0.39, 1.72 | 0.42, 1.46 |
+//! | 4 | Blanes and Moan 2002, 12 symplectic Euler maps | 2.2, 1.43 | 2.1, 1.59 |
+//! | 6 | Yoshida 1990 A, 7 | 21, 3.7 | 26, 5.1 |
+//! | 6 | Kahan and Li 1997 a and b, 9 | 6.9, 1.79 | 7.7, 2.1 |
+//! | 6 | Sofroniou and Spaletta 2005, 11 | 1.58, 1.09 | 1.68, 0.99 |
+//! | 6 | Blanes and Moan 2002, 20 symplectic Euler maps | 19, 5.6 | 27, 8.1 |
+//! | 8 | Yoshida 1990 D, 15 | 3500, 1300 | 4600, 5600 |
+//! | 8 | Suzuki and Umeno 1993, 15 | 1.79, 4.5 | 1.34, 4.0 |
+//! | 8 | Kahan and Li 1997 b, 17 | 0.96, 1.01 | 0.95, 0.99 |
+//! | 8 | Sofroniou and Spaletta 2005, 21 | 1.7, 3.1 | 3.9, 4.0 |
+//!
+//! At order 6 nothing is better by more than a hundredth. At order 8 the other set of Kahan and Li is better by a twentieth in the
+//! positions; the 21 stages are better only where steps are fine (0.55 in the positions of the chain at 2000 solves). At order 4
+//! Suzuki's form with more equal weights trades energy for positions: nine stages have less than half of the error in the positions
+//! and a fifth to a third more in the energy.
 
 /// Symmetric weights, given by their first half; the middle weight is what the sum leaves over.
 #[derive(Clone, Copy, Debug)]

@@ -67,6 +67,17 @@ pub fn five_links() -> System {
     compile(&scene)
 }
 
+/// Two points of 1 kg on massless rods of 1 m, released at rest from horizontal, g = 9.81 m/s^2.
+pub fn double_pendulum() -> System {
+    let mut scene = chain(&[(Revolute, Vector3::y()); 2]);
+    for link in &mut scene.model.links[1..] {
+        let inertial = link.inertial.as_mut().unwrap();
+        (inertial.com, inertial.inertia) = (Vector3::x(), Matrix3::zeros());
+    }
+    scene.model.joints[1].origin = Isometry3::translation(1.0, 0.0, 0.0);
+    compile(&scene)
+}
+
 /// Largest difference of positions (m) and attitudes (rad).
 pub fn distance(a: &State, b: &State) -> f64 {
     let of = |(a, b): (&BodyState, &BodyState)| {

@@ -1,4 +1,5 @@
-//! RATTLE as Marsden and West (2001) print it in section 3.5.4, with all multipliers, solved by dense Newton.
+//! RATTLE and the symplectic Euler maps as Marsden and West (2001) print them in sections 3.5.3 and 3.5.4, with all
+//! multipliers, solved by dense Newton.
 
 use rattlebench::discrete::constraint::Constraint;
 use rattlebench::discrete::{Matrix, Vector};
@@ -15,22 +16,23 @@ impl<C: Constraint> Problem<C> {
     /// One step from `phi(q0) = 0`, `G(q0) v0 = 0`; returns `q1` and `v1 = M^-1 p1`.
     ///
     /// ```text
-    /// p'  = p0 + h/2 f(q0) + G(q0)^T lambda0 ,     q1 = q0 + h M^-1 p' ,     phi(q1) = 0
-    /// p1  = p' + h/2 f(q1) + G(q1)^T lambda1 ,     G(q1) M^-1 p1 = 0
+    /// p'  = p0 + h w0 f(q0) + G(q0)^T lambda0 ,     q1 = q0 + h M^-1 p' ,     phi(q1) = 0
+    /// p1  = p' + h w1 f(q1) + G(q1)^T lambda1 ,     G(q1) M^-1 p1 = 0
     /// ```
+    ///
+    /// With the parts `(w0, w1) = (1/2, 1/2)` it is RATTLE, with `(1, 0)` and `(0, 1)` the two symplectic Euler maps.
     ///
     /// The unknowns of the first line are `w = M^-1 p'` and `lambda0`. Since `phi` is quadratic and zero at `q0`,
     /// `phi(q1) / h = 1/2 (G(q0) + G(q1)) w`, in which nothing cancels for small `h`.
-    pub fn step(&self, q0: &Vector, v0: &Vector, h: f64) -> (Vector, Vector) {
+    pub fn step(&self, (w0, w1): (f64, f64), q0: &Vector, v0: &Vector, h: f64) -> (Vector, Vector) {
         let (n, m) = (q0.len(), self.constraint.count());
         let p0 = self.mass.component_mul(v0);
-        let kick = &self.force * (0.5 * h);
         let g0 = self.constraint.jacobian(q0);
         let (mut w, mut lambda0) = (v0.clone(), Vector::zeros(m));
         let mut last = f64::INFINITY;
         for iteration in 0.. {
             let g1 = self.constraint.jacobian(&(q0 + &w * h));
-            let momentum = self.mass.component_mul(&w) - &p0 - &kick - g0.tr_mul(&lambda0);
+            let momentum = self.mass.component_mul(&w) - &p0 - &self.force * (w0 * h) - g0.tr_mul(&lambda0);
             let closure = (&g0 + &g1) * &w * 0.5;
             let update = self.saddle(&g0, &g1, &momentum, &closure);
             w -= update.rows(0, n);
@@ -43,7 +45,7 @@ impl<C: Constraint> Problem<C> {
             last = size;
         }
         let q1 = q0 + &w * h;
-        let v1 = self.project(&q1, &(self.mass.component_mul(&w) + &kick));
+        let v1 = self.project(&q1, &(self.mass.component_mul(&w) + &self.force * (w1 * h)));
         (q1, v1)
     }
 

@@ -1,11 +1,14 @@
-//! RATTLE of the rigid-body core against the same map in another formulation: every body is 12 numbers in
-//! R^3 x R^(3x3), and rigidity and joints are constraints with multipliers (Marsden and West 2001, sections 3.5.3, 3.5.4).
+//! RATTLE of the rigid-body core, its relatives and the constrained Lobatto methods against the same maps in another
+//! formulation: every body is 12 numbers in R^3 x R^(3x3), and rigidity and joints are constraints with multipliers (Marsden
+//! and West 2001, sections 3.5.3, 3.5.4 and 3.5.6).
 //!
 //! Nothing is shared with the core but the data of the system and the start: no tree recursion, no rotation rule, no
 //! quaternions, other functions for the joints. The map depends on the manifold alone, so both must agree to roundoff.
 
 mod dense;
 mod embedding;
+mod lobatto;
+mod relatives;
 mod trees;
 
 use std::cell::{Cell, RefCell};
@@ -27,8 +30,8 @@ use rattlebench::discrete::solve::central_difference;
 use rattlebench::discrete::system::{Mechanical, SharedSystem};
 use rattlebench::discrete::{Matrix, Vector};
 use rattlebench::mechanics::coordinates::{JointCoordinates, forward_kinematics};
-use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, System};
-use rattlebench::variational::Rattle;
+use rattlebench::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System};
+use rattlebench::variational::{Failure, Rattle};
 
 /// Steps that are compared in each case: the later ones start from extrapolated multipliers.
 const STEPS: usize = 3;
@@ -55,19 +58,43 @@ impl Difference {
     }
 }
 
-/// Compares a few steps of the core with steps that the other way takes from the same states.
+/// A map of the core, with its state.
+trait Core {
+    fn step(&mut self, h: f64) -> Result<(), Failure>;
+    fn write_state(&self, out: &mut State);
+}
+
+impl Core for Rattle {
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        self.step(h)
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.write_state(out);
+    }
+}
+
+fn rattle(system: &System) -> Rattle {
+    Rattle::new(system).unwrap()
+}
+
+/// Compares a few steps of RATTLE with steps that the other way takes from the same states.
 fn difference(system: &System, h: f64, other: &Other) -> Difference {
+    difference_from(rattle(system), system, h, other)
+}
+
+/// Compares a few steps of the core with steps that the other way takes from the same states.
+fn difference_from(mut core: impl Core, system: &System, h: f64, other: &Other) -> Difference {
     let m = mass(system);
     let norm = |v: &Vector| v.dot(&m.component_mul(v)).sqrt();
-    let mut rattle = Rattle::new(system).unwrap();
     let mut state = system.initial.clone();
     let mut worst = Difference::default();
-    rattle.write_state(&mut state);
+    core.write_state(&mut state);
     assert!(embed(&state).1.amax() > 0.1, "it moves");
     for _ in 0..STEPS {
         let (q0, v0) = embed(&state);
-        rattle.step(h).unwrap();
-        rattle.write_state(&mut state);
+        core.step(h).unwrap();
+        core.write_state(&mut state);
         let (q1, v1) = embed(&state);
         let (q, v) = other(&q0, &v0, h);
         let now = Difference { position: (q - q1).amax(), momentum: norm(&(v - &v1)) / norm(&v1) };
@@ -75,6 +102,9 @@ fn difference(system: &System, h: f64, other: &Other) -> Difference {
     }
     worst
 }
+
+/// The parts of the force's impulse at the two ends of a step of RATTLE.
+const HALVES: (f64, f64) = (0.5, 0.5);
 
 /// Steps of 1 to 10 ms.
 const USUAL: Range<f64> = -3.0..-2.0;
@@ -104,45 +134,57 @@ fn on_random_trees(cases: u32, exponents: Range<f64>, check: impl Fn(&System, f6
     assert_eq!((sizes.len(), joints.len()), (5, 10), "all sizes, and all joints on the ground and on a body");
 }
 
-/// The largest difference over the random trees.
+/// The largest difference of RATTLE over the random trees.
 fn largest_difference(cases: u32, exponents: Range<f64>, other: impl Fn(&System) -> Other<'static>) -> Difference {
+    largest_difference_from(rattle, cases, exponents, other)
+}
+
+/// The largest difference of a map of the core over the random trees.
+fn largest_difference_from<C: Core>(
+    core: impl Fn(&System) -> C,
+    cases: u32,
+    exponents: Range<f64>,
+    other: impl Fn(&System) -> Other<'static>,
+) -> Difference {
     let worst = RefCell::new(Difference::default());
     on_random_trees(cases, exponents, |system, h| {
-        let found = difference(system, h, &other(system));
+        let found = difference_from(core(system), system, h, &other(system));
         worst.replace_with(|worst| worst.larger(found));
     });
     worst.into_inner()
 }
 
-/// The dense solve of the printed equations, with masses and forces of its own.
-fn printed_with(system: &System, mass: Vector, force: Vector) -> Other<'static> {
-    let problem = Problem { mass, force, constraint: Rigidity::new(system) };
-    Box::new(move |q, v, h| problem.step(q, v, h))
+/// The dense solve of the printed equations, with parts of the force's impulse, masses and forces of its own.
+fn printed_with(parts: (f64, f64), mass: Vector, force: Vector, constraint: Rigidity) -> Other<'static> {
+    let problem = Problem { mass, force, constraint };
+    Box::new(move |q, v, h| problem.step(parts, q, v, h))
 }
 
+/// That of RATTLE.
 fn printed(system: &System) -> Other<'static> {
-    printed_with(system, mass(system), gravity(system))
+    printed_with(HALVES, mass(system), gravity(system), Rigidity::new(system))
 }
 
 /// The constrained discrete Hamiltonian map of `discrete` on R^(12 n) for a discrete Lagrangian of the embedded system.
-fn discrete<L: DiscreteLagrangian + 'static>(system: &System, make: fn(SharedSystem) -> L) -> Other<'static> {
+fn discrete<L>(system: &System, constraint: Rigidity, make: fn(SharedSystem) -> L) -> Other<'static>
+where
+    L: DiscreteLagrangian + 'static,
+{
     let (m, potential) = (mass(system), Uniform { weight: -gravity(system) });
     let embedded: SharedSystem = Arc::new(Mechanical { mass: Matrix::from_diagonal(&m), potential });
-    let (ld, constraint) = (make(embedded.clone()), Rigidity::new(system));
+    let ld = make(embedded.clone());
     Box::new(move |q, v, h| {
         let step = constrained_map(&ld, embedded.as_ref(), &constraint, q, &m.component_mul(v), h).unwrap();
         (step.q, step.p.component_div(&m))
     })
 }
 
-/// Like [`printed`] for systems with loops: of the constraints those that are independent where the step starts. The others
-/// must follow from them.
-fn printed_with_loops(system: &System) -> Other<'static> {
-    let (all, mass, force) = (Rigidity::new(system), mass(system), gravity(system));
+/// A step of a system with loops by one with those constraints that are independent where the step starts. The others must
+/// follow from them.
+fn with_loops<'a>(system: &'a System, of: impl Fn(Rigidity) -> Other<'static> + 'a) -> Other<'a> {
+    let (all, mass) = (Rigidity::new(system), mass(system));
     Box::new(move |q, v, h| {
-        let constraint = all.independent_at(q, &mass);
-        let problem = Problem { mass: mass.clone(), force: force.clone(), constraint };
-        let (q, v) = problem.step(q, v, h);
+        let (q, v) = of(all.independent_at(q, &mass))(q, v, h);
         let open = [all.residual(&q).amax(), (all.jacobian(&q) * &v).amax() / v.amax()];
         // measured 2.7e-13
         assert!(open.iter().all(|open| *open <= 7e-13), "{open:?}");
@@ -183,7 +225,8 @@ fn one_step_of_a_linkage_solves_them_as_well() {
         if rattle.rank() == freedoms || embed(&state).1.amax() < 0.2 {
             return;
         }
-        let found = difference(system, h, &printed_with_loops(system));
+        let other = with_loops(system, |held| printed_with(HALVES, mass(system), gravity(system), held));
+        let found = difference(system, h, &other);
         worst.replace_with(|worst| worst.larger(found));
         // Negative control: the same tree without its loops, where they hold anything.
         if rattle.rank() > 0 {
@@ -215,7 +258,8 @@ fn steps_of_a_microsecond_solve_them_as_well() {
 
 #[test]
 fn one_step_is_the_constrained_discrete_hamiltonian_map_of_verlet() {
-    let worst = largest_difference(64, USUAL, |system| discrete(system, |s| symmetrised(s, 0.0)));
+    let worst =
+        largest_difference(64, USUAL, |system| discrete(system, Rigidity::new(system), |s| symmetrised(s, 0.0)));
     println!("{worst:?}");
     // measured 3.9e-15 and 6.8e-14
     assert!(worst.within(2e-13), "{worst:?}");
@@ -236,9 +280,9 @@ fn another_inertia_embedding_or_discrete_lagrangian_does_not_agree() {
             }
         }
         let others = [
-            printed_with(system, mass(&heavier), gravity(system)),
-            printed_with(system, wrong, gravity(system)),
-            discrete(system, |s| alpha(s, 0.0)),
+            printed_with(HALVES, mass(&heavier), gravity(system), Rigidity::new(system)),
+            printed_with(HALVES, wrong, gravity(system), Rigidity::new(system)),
+            discrete(system, Rigidity::new(system), |s| alpha(s, 0.0)),
         ];
         for (seen, other) in seen.borrow_mut().iter_mut().zip(&others) {
             let found = difference(system, h, other);

@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_system_is_solved_in_as_many_directions_as_it_has_unknowns() {
-        let a = Matrix5::from_fn(|i, k| ((3 * i + 5 * k) as f64).sin()) - Matrix5::identity();
+        let a = Matrix5::from_fn(|i, k| ((3 * i + 5 * k) as f64).sin() - if i == k { 1.0 + i as f64 } else { 0.0 });
         let mass = Matrix5::from_diagonal(&Vector5::new(1.0, 20.0, 3.0, 0.1, 5.0));
         let b = Vector5::new(0.3, -0.2, 1.0, 0.5, -0.7);
         let mut krylov = Krylov::new(5);
@@ -120,8 +120,9 @@ mod tests {
             let missed = b - a * x;
             let size = missed.dot(&(mass * missed)).sqrt();
             println!("{count} {left:.1e} {size:.1e}");
-            assert!((left - size).abs() <= 1e-13, "what is left is what was said: {left:e} {size:e}");
-            assert_eq!(size <= 1e-13, count == 5, "{size:e} after {count}");
+            // measured 1.1e-15 at the end
+            assert!((left - size).abs() <= 3e-15, "what is left is what was said: {left:e} {size:e}");
+            assert_eq!(size <= 3e-15, count == 5, "{size:e} after {count}");
         }
     }
 }

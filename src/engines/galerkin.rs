@@ -40,10 +40,8 @@ impl Engine for GalerkinEngine {
         self.galerkin.step().map_err(|failure| {
             let detail = describe(failure, self.taken as f64 * self.step, self.step);
             match failure {
-                Failure::NotConverged { correction, .. } if correction.is_finite() => {
-                    StepFailure::NotConverged { detail }
-                }
-                _ => StepFailure::Diverged { detail },
+                Failure::NotConverged { .. } => StepFailure::NotConverged { detail },
+                Failure::RanAway { .. } | Failure::Singular => StepFailure::Diverged { detail },
             }
         })?;
         self.taken += 1;
@@ -59,10 +57,14 @@ fn describe(failure: Failure, time: f64, step: f64) -> String {
     match failure {
         Failure::NotConverged { rounds, correction } => format!(
             "t = {time:.6} s: the stages do not converge in {rounds} rounds at a step of {step} s (last correction \
-             {correction:.1e} of the scene's velocities); take a smaller step"
+             {correction:.1e} of the scene's velocities), nor by Newton's method; take a smaller step"
+        ),
+        Failure::RanAway { rounds } => format!(
+            "t = {time:.6} s: the stages run away after {rounds} rounds at a step of {step} s, and Newton's method does not \
+             find them either; take a smaller step"
         ),
         Failure::Singular => format!(
-            "t = {time:.6} s: a joint can move without moving any mass, or the state stops being a number at a step of {step} s"
+            "t = {time:.6} s: a joint can move without moving any mass, or the stages run away at once at a step of {step} s"
         ),
     }
 }

@@ -13,6 +13,11 @@ impl Compensated {
         Compensated { rest: vec![0.0; value.len()], value }
     }
 
+    pub(super) fn copy_from(&mut self, other: &Compensated) {
+        self.value.copy_from_slice(&other.value);
+        self.rest.copy_from_slice(&other.rest);
+    }
+
     /// Collects a part of the next increment.
     pub(super) fn collect(&mut self, part: &[f64]) {
         for (rest, part) in self.rest.iter_mut().zip(part) {

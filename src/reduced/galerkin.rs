@@ -17,6 +17,9 @@
 //! The rounds go on until what they leave would be lost in roundoff; `q` and `p` are compensated sums. What is iterated to
 //! the end does not depend on where it started, so the prediction takes nothing from symmetry and symplecticity.
 //!
+//! Over a long step the rounds may be no contraction, whatever their start. Then the stages are continued from those of shorter
+//! steps, by Newton's method on (3) with the positions and momenta of (1) and (2) as functions of the velocities.
+//!
 //! Symplectic, time-reversible, of order `2 s`; keeps joints exactly and momenta that are bilinear in `q` and `p`, among
 //! them the angular momentum of a free body; does not conserve energy, whose error stays bounded. Springs between points add to
 //! the potential, and drives a potential `-f(t) q` at the times of the stages. Damping, in joints and beside springs, enters by
@@ -25,6 +28,7 @@
 use super::adams::{Adams, Rates};
 use super::gauss::Gauss;
 use super::hamiltonian::{Point, along_velocities, canonical, momentum_rates};
+use super::krylov::Krylov;
 use super::real::{LANES, Lanes, Real};
 use super::{Model, compensated::Compensated};
 use crate::mechanics::State;
@@ -37,12 +41,27 @@ const CLEAN: f64 = 3e-14;
 /// Size below which a correction that does not shrink any more is roundoff.
 const ROUNDOFF: f64 = 1e-12;
 
+/// Solutions by Newton's method at parts of the step before it is given up.
+const MOST_PARTS: usize = 40;
+const MOST_NEWTON_STEPS: usize = 12;
+/// Correction that is small enough at a part of the step: the solution only starts the next.
+const ENOUGH_FOR_A_PART: f64 = 1e-4;
+/// Part of a Newton step that may be missing from its linear system.
+const LINEAR: f64 = 1e-4;
+/// Velocities of differences, in units of those that hold the scene's energy.
+const DIFFERENCE: f64 = 1e-7;
+/// Rounds that settle the quaternions at given velocities.
+const SETTLING: usize = 60;
+
 /// Why a step could not be taken; the integrator stays where it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The rounds did not reach roundoff.
+    /// The rounds did not reach roundoff, nor did Newton's method; the last correction of the rounds in units of the velocities
+    /// that hold the scene's energy.
     NotConverged { rounds: usize, correction: f64 },
-    /// A joint can move without moving any mass, or the state is not a number.
+    /// After these rounds the stages were no numbers any more, and Newton's method found none either.
+    RanAway { rounds: usize },
+    /// A joint can move without moving any mass, or the stages ran away before the first round.
     Singular,
 }
 
@@ -66,7 +85,39 @@ pub struct Galerkin {
     q_rates: Rates,
     p_rates: Rates,
     end: Batch,
+    /// `q` and `p` at the start of a step, in case that its end has no velocities.
+    start: [Compensated; 2],
+    newton: Newton,
     rounds: u64,
+}
+
+/// Room for Newton's method: velocities and momenta of all stages, one stage after the other.
+#[derive(Clone, Debug)]
+struct Newton {
+    krylov: Krylov,
+    u: Vec<f64>,
+    /// `u` of the longest part of the step that was solved.
+    reached: Vec<f64>,
+    /// What (3) lacks, as corrections of the velocities and as momenta.
+    correction: Vec<f64>,
+    lacking: Vec<f64>,
+    first: Vec<f64>,
+    first_lacking: Vec<f64>,
+}
+
+impl Newton {
+    fn new(width: usize) -> Newton {
+        let room = || vec![0.0; width];
+        Newton {
+            krylov: Krylov::new(width),
+            u: room(),
+            reached: room(),
+            correction: room(),
+            lacking: room(),
+            first: room(),
+            first_lacking: room(),
+        }
+    }
 }
 
 /// As many stages as there are lanes: positions, momenta and velocities, and what the equations say there. Where the stages
@@ -116,6 +167,11 @@ impl Batch {
         }
     }
 
+    /// The stage in a lane.
+    fn stage(&self, lane: usize) -> usize {
+        self.first + lane.min(self.count - 1)
+    }
+
     fn evaluate(&mut self, model: &Model) {
         self.point.evaluate(model, self.time, &self.q, &self.u, &mut self.m, &mut self.force);
     }
@@ -154,12 +210,7 @@ impl Batch {
     /// energy in J.
     fn correct(&mut self, model: &Model, p0: &[f64], p_rates: &Rates) -> f64 {
         p_rates.sum(p_rates.now(), &self.mu, p0, &mut self.p);
-        along_velocities(model, &self.q, &self.p, &mut self.right);
-        for (m, right) in self.m.iter_mut().zip(&mut self.right) {
-            *right -= *m;
-            *m = *right;
-        }
-        self.point.solve(model, &mut self.right);
+        self.lack(model);
         let mut work = Lanes::of(0.0);
         for ((u, residual), correction) in self.u.iter_mut().zip(&self.m).zip(&self.right) {
             *u += *correction;
@@ -167,6 +218,43 @@ impl Batch {
         }
         work.numbers().into_iter().fold(0.0, largest)
     }
+
+    /// What (3) lacks in `m`, and the corrections of the velocities that it asks for in `right`.
+    #[inline(always)]
+    fn lack(&mut self, model: &Model) {
+        along_velocities(model, &self.q, &self.p, &mut self.right);
+        for (m, right) in self.m.iter_mut().zip(&mut self.right) {
+            *right -= *m;
+            *m = *right;
+        }
+        self.point.solve(model, &mut self.right);
+    }
+
+    /// `u`, moved by `size` along a direction if there is one, for the stages.
+    fn set_velocities(&mut self, u: &[f64], moved: Option<(&[f64], f64)>) {
+        let width = self.u.len();
+        for k in 0..width {
+            self.u[k] = Lanes::from_fn(|lane| {
+                let at = self.stage(lane) * width + k;
+                u[at] + moved.map_or(0.0, |(direction, size)| size * direction[at])
+            });
+        }
+    }
+
+    /// Hands out what [`Self::lack`] found.
+    fn hand_out_lack(&self, correction: &mut [f64], lacking: &mut [f64]) {
+        for (from, to) in [(&self.right, correction), (&self.m, lacking)] {
+            for (k, numbers) in from.iter().enumerate() {
+                for (lane, x) in numbers.numbers().into_iter().enumerate().take(self.count) {
+                    to[(self.first + lane) * from.len() + k] = x;
+                }
+            }
+        }
+    }
+}
+
+fn everywhere(from: &[f64], to: &mut [Lanes]) {
+    to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
 }
 
 /// The larger size; a number that is none wins.
@@ -183,8 +271,6 @@ impl Galerkin {
         let gauss = Gauss::new(stages);
         let (q, u) = model.initial();
         let mut end = Batch::new(&model, &gauss, step, 0);
-        let everywhere =
-            |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
         everywhere(&q, &mut end.q);
         everywhere(&u, &mut end.u);
         end.point.place(&model, &end.q);
@@ -212,6 +298,8 @@ impl Galerkin {
             taken: 0,
             over_scale: 1.0 / energy_scale,
             batches,
+            start: [Compensated::new(q.clone()), Compensated::new(p.clone())],
+            newton: Newton::new(stages * u.len()),
             q: Compensated::new(q),
             p: Compensated::new(p),
             u,
@@ -226,14 +314,9 @@ impl Galerkin {
 
     /// One step. After a failure nothing has changed.
     pub fn step(&mut self) -> Result<(), Failure> {
-        if let Err(failure) = self.solve_stages() {
-            // A violent moment spoils the extrapolation: start once more from the last rates alone.
-            if self.order == 1 {
-                return Err(failure);
-            }
-            self.order = 1;
-            self.solve_stages()?;
-        }
+        self.find_stages()?;
+        self.start[0].copy_from(&self.q);
+        self.start[1].copy_from(&self.p);
         let (q_sum, p_sum) = (&mut self.q, &mut self.p);
         for j in 0..self.gauss.stages() {
             q_sum.collect(self.q_rates.stage(j));
@@ -241,17 +324,30 @@ impl Galerkin {
         }
         q_sum.advance();
         p_sum.advance();
-        self.taken += 1;
-        let everywhere =
-            |from: &[f64], to: &mut [Lanes]| to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
         everywhere(&self.q.value, &mut self.end.q);
         everywhere(&self.p.value, &mut self.end.p);
-        self.end.move_along(&self.model)?;
+        if let Err(failure) = self.end.move_along(&self.model) {
+            self.q.copy_from(&self.start[0]);
+            self.p.copy_from(&self.start[1]);
+            return Err(failure);
+        }
+        self.taken += 1;
         self.u.iter_mut().zip(&self.end.u).for_each(|(u, found)| *u = found.numbers()[0]);
         self.order = self.adams.best_order(&self.p_rates);
         self.q_rates.turn_over();
         self.p_rates.turn_over();
         Ok(())
+    }
+
+    fn find_stages(&mut self) -> Result<(), Failure> {
+        let Err(mut failure) = self.solve_stages() else { return Ok(()) };
+        // A violent moment spoils the extrapolation: start once more from the last rates alone.
+        if self.order > 1 {
+            self.order = 1;
+            let Err(second) = self.solve_stages() else { return Ok(()) };
+            failure = second;
+        }
+        self.continue_stages().ok_or(failure)
     }
 
     fn solve_stages(&mut self) -> Result<(), Failure> {
@@ -262,7 +358,7 @@ impl Galerkin {
             let correction = self.correct();
             self.rounds += 1;
             if !correction.is_finite() {
-                return Err(Failure::NotConverged { rounds: round, correction });
+                return Err(Failure::RanAway { rounds: round });
             }
             if correction > CLEAN {
                 rate = if last.is_finite() { correction / last } else { 1.0 };
@@ -284,8 +380,7 @@ impl Galerkin {
     fn predict(&mut self) -> Result<(), Failure> {
         for batch in &mut self.batches {
             let nodes = &self.gauss.nodes;
-            batch.time =
-                Lanes::from_fn(|k| (self.taken as f64 + nodes[(batch.first + k).min(nodes.len() - 1)]) * self.step);
+            batch.time = Lanes::from_fn(|k| (self.taken as f64 + nodes[batch.stage(k)]) * self.step);
             let weights = self.adams.weights(batch.first / LANES, self.order);
             self.q_rates.sum(self.q_rates.before(batch.first, weights.len()), weights, &self.q.value, &mut batch.q);
             self.p_rates.sum(self.p_rates.before(batch.first, weights.len()), weights, &self.p.value, &mut batch.p);
@@ -319,6 +414,130 @@ impl Galerkin {
             batch.momentum_steps(&self.model, &mut self.p_rates);
         }
         (work * self.over_scale).sqrt()
+    }
+
+    /// The stages by continuation from those of a part of the step: `None` where that comes to a halt.
+    fn continue_stages(&mut self) -> Option<()> {
+        let width = self.u.len();
+        self.newton.reached.chunks_exact_mut(width).for_each(|u| u.copy_from_slice(&self.u));
+        let (mut reached, mut further) = (0.0, 0.25);
+        for _ in 0..MOST_PARTS {
+            let part = if reached + further < 1.0 { reached + further } else { 1.0 };
+            self.stretch(part);
+            // Velocities change in proportion to time, as far as is known.
+            let ratio = if reached > 0.0 { part / reached } else { 1.0 };
+            let Newton { u, reached: from, .. } = &mut self.newton;
+            for (u, from) in u.chunks_exact_mut(width).zip(from.chunks_exact(width)) {
+                for ((u, from), start) in u.iter_mut().zip(from).zip(&self.u) {
+                    *u = start + (from - start) * ratio;
+                }
+            }
+            if self.newton_steps(if part < 1.0 { ENOUGH_FOR_A_PART } else { NEGLIGIBLE }).is_some() {
+                if part == 1.0 {
+                    return Some(());
+                }
+                self.newton.reached.copy_from_slice(&self.newton.u);
+                (reached, further) = (part, 2.0 * further);
+            } else {
+                further *= 0.5;
+            }
+        }
+        self.stretch(1.0);
+        None
+    }
+
+    /// Stages for a part of the step, at its start.
+    fn stretch(&mut self, part: f64) {
+        let step = self.step * part;
+        for batch in &mut self.batches {
+            batch.h_b = Lanes::from_fn(|k| self.gauss.weights[batch.stage(k)] * step);
+            batch.time = Lanes::from_fn(|k| self.taken as f64 * self.step + self.gauss.nodes[batch.stage(k)] * step);
+            everywhere(&self.q.value, &mut batch.q);
+            everywhere(&self.p.value, &mut batch.p);
+        }
+    }
+
+    /// Newton's method from `newton.u`, until corrections are small enough or roundoff. `None` where they do not shrink.
+    fn newton_steps(&mut self, enough: f64) -> Option<()> {
+        let scale = self.over_scale.sqrt();
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_NEWTON_STEPS {
+            self.settle(None);
+            for batch in &mut self.batches {
+                batch.point.factorise(&self.model)?;
+            }
+            self.lacks();
+            let Newton { krylov, correction, lacking, first, first_lacking, .. } = &mut self.newton;
+            first.copy_from_slice(correction);
+            first_lacking.copy_from_slice(lacking);
+            let size = krylov.begin(first, first_lacking);
+            let relative = size * scale;
+            if !relative.is_finite() {
+                return None;
+            }
+            if relative <= enough || relative > 0.5 * last && relative < ROUNDOFF {
+                return Some(());
+            }
+            if relative > last {
+                return None;
+            }
+            last = relative;
+            let epsilon = DIFFERENCE / scale;
+            loop {
+                self.settle(Some(epsilon));
+                self.lacks();
+                let Newton { krylov, correction, lacking, first, first_lacking, .. } = &mut self.newton;
+                // What a direction takes off.
+                let difference = |now: &mut [f64], first: &[f64]| {
+                    now.iter_mut().zip(first).for_each(|(now, first)| *now = (first - *now) / epsilon);
+                };
+                difference(correction, first);
+                difference(lacking, first_lacking);
+                let (left, more) = krylov.extend(correction, lacking);
+                if !more || left.is_nan() || left <= LINEAR * size {
+                    break;
+                }
+            }
+            self.newton.krylov.add_solution(&mut self.newton.u);
+        }
+        None
+    }
+
+    /// Positions, rates and momenta of the stages that follow from `newton.u`, moved by a size along the last direction.
+    fn settle(&mut self, size: Option<f64>) {
+        // An angle settles at once, lengths in the axes of a planar joint after it.
+        let rounds = if self.model.positions > self.model.velocities { SETTLING } else { 2 };
+        for batch in &mut self.batches {
+            batch.set_velocities(&self.newton.u, size.map(|size| (self.newton.krylov.direction(), size)));
+        }
+        for _ in 0..rounds {
+            for batch in &mut self.batches {
+                batch.position_steps(&self.model, &mut self.q_rates);
+            }
+            for batch in &mut self.batches {
+                self.q_rates.sum(self.q_rates.now(), &batch.mu, &self.q.value, &mut batch.q);
+            }
+        }
+        for batch in &mut self.batches {
+            batch.point.place(&self.model, &batch.q);
+            batch.evaluate(&self.model);
+        }
+        for _ in 0..rounds {
+            for batch in &mut self.batches {
+                batch.momentum_steps(&self.model, &mut self.p_rates);
+            }
+            for batch in &mut self.batches {
+                self.p_rates.sum(self.p_rates.now(), &batch.mu, &self.p.value, &mut batch.p);
+            }
+        }
+    }
+
+    /// What (3) lacks at all stages.
+    fn lacks(&mut self) {
+        for batch in &mut self.batches {
+            batch.lack(&self.model);
+            batch.hand_out_lack(&mut self.newton.correction, &mut self.newton.lacking);
+        }
     }
 
     /// Poses and twists of the bodies.

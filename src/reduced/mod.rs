@@ -16,6 +16,7 @@ mod factor;
 pub mod galerkin;
 mod gauss;
 mod hamiltonian;
+mod krylov;
 mod linear;
 mod loops;
 mod model;

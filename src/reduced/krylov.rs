@@ -119,7 +119,6 @@ mod tests {
             krylov.add_solution(x.as_mut_slice());
             let missed = b - a * x;
             let size = missed.dot(&(mass * missed)).sqrt();
-            println!("{count} {left:.1e} {size:.1e}");
             // measured 1.1e-15 at the end
             assert!((left - size).abs() <= 3e-15, "what is left is what was said: {left:e} {size:e}");
             assert_eq!(size <= 3e-15, count == 5, "{size:e} after {count}");

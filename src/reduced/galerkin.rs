@@ -148,30 +148,41 @@ impl Batch {
 
     /// Hands out `h b qdot`.
     fn position_steps(&mut self, model: &Model, out: &mut Rates) {
+        if model.plain {
+            return self.hand_out(&self.u, out);
+        }
         model.rates(&self.q, &self.u, &mut self.rate);
-        self.hand_out(out);
+        self.hand_out(&self.rate, out);
     }
 
     /// Hands out `h b pdot`.
     fn momentum_steps(&mut self, model: &Model, out: &mut Rates) {
+        if model.plain {
+            return self.hand_out(&self.force, out);
+        }
         momentum_rates(model, &self.q, &self.p, &self.u, &self.force, &mut self.rate);
-        self.hand_out(out);
+        self.hand_out(&self.rate, out);
     }
 
-    fn hand_out(&mut self, out: &mut Rates) {
-        for (k, rate) in self.rate.iter().enumerate() {
-            let steps = (*rate * self.h_b).numbers();
-            for (lane, step) in steps.into_iter().enumerate().take(self.count) {
-                out.stage_mut(self.first + lane)[k] = step;
+    fn hand_out(&self, rates: &[Lanes], out: &mut Rates) {
+        for lane in 0..self.count {
+            for (step, rate) in out.stage_mut(self.first + lane).iter_mut().zip(rates) {
+                *step = (*rate * self.h_b).numbers()[lane];
             }
         }
     }
 
-    /// (2), then the corrections of the velocities that (3) asks for. Returns the largest of the stages, squared, as an
-    /// energy in J.
-    fn correct(&mut self, model: &Model, p0: &[f64], p_rates: &Rates) -> f64 {
-        p_rates.sum(p_rates.now(), &self.mu, p0, &mut self.p);
-        self.lack(model);
+    /// What (3) lacks in `m` and in `right`.
+    fn residual(&mut self, model: &Model) {
+        along_velocities(model, &self.q, &self.p, &mut self.right);
+        for (m, right) in self.m.iter_mut().zip(&mut self.right) {
+            *right -= *m;
+            *m = *right;
+        }
+    }
+
+    /// Takes the corrections in `right`. Returns the largest of the stages, squared, as an energy in J.
+    fn take(&mut self) -> f64 {
         let mut work = Lanes::of(0.0);
         for ((u, residual), correction) in self.u.iter_mut().zip(&self.m).zip(&self.right) {
             *u += *correction;
@@ -181,13 +192,8 @@ impl Batch {
     }
 
     /// What (3) lacks in `m`, and the corrections of the velocities that it asks for in `right`.
-    #[inline(always)]
     fn lack(&mut self, model: &Model) {
-        along_velocities(model, &self.q, &self.p, &mut self.right);
-        for (m, right) in self.m.iter_mut().zip(&mut self.right) {
-            *right -= *m;
-            *m = *right;
-        }
+        self.residual(model);
         self.point.solve(model, &mut self.right);
     }
 }
@@ -224,9 +230,9 @@ impl Galerkin {
         for batch in &mut batches {
             let Batch { q, p, u, force, .. } = &end;
             model.rates(q, u, &mut batch.rate);
-            batch.hand_out(&mut q_rates);
+            batch.hand_out(&batch.rate, &mut q_rates);
             momentum_rates(&model, q, p, u, force, &mut batch.rate);
-            batch.hand_out(&mut p_rates);
+            batch.hand_out(&batch.rate, &mut p_rates);
         }
         q_rates.turn_over();
         p_rates.turn_over();
@@ -339,11 +345,21 @@ impl Galerkin {
 
     /// One round: (2), then (3) for the velocities, then (1) and the rates. Returns the largest correction.
     fn correct(&mut self) -> f64 {
+        for batch in &mut self.batches {
+            self.p_rates.sum(self.p_rates.now(), &batch.mu, &self.p.value, &mut batch.p);
+            batch.residual(&self.model);
+            batch.point.begin();
+        }
+        // A solve is a chain of operations that wait for each other: the chains of all batches go side by side.
+        for (i, link) in self.model.links.iter().enumerate().rev() {
+            self.batches.iter_mut().for_each(|batch| batch.point.inward(i, link, &mut batch.right));
+        }
+        for (i, link) in self.model.links.iter().enumerate() {
+            self.batches.iter_mut().for_each(|batch| batch.point.outward(i, link, &mut batch.right));
+        }
         let mut work = 0.0;
         for batch in &mut self.batches {
-            work = largest(work, batch.correct(&self.model, &self.p.value, &self.p_rates));
-        }
-        for batch in &mut self.batches {
+            work = largest(work, batch.take());
             batch.position_steps(&self.model, &mut self.q_rates);
         }
         for batch in &mut self.batches {

@@ -26,11 +26,14 @@ use super::place::{Place, matrix, relative_twist};
 use super::real::{Lanes, Real};
 use super::spatial::{Elimination, Inertia, Spatial};
 use super::springs::Seen;
+use super::turn::Turn;
 use crate::mechanics::JointKind;
 
 /// The equations at points of the phase space, as many as there are lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
+    /// Angles of turning joints with their sines.
+    turns: Vec<Turn>,
     places: Vec<Place<Lanes>>,
     twists: Vec<Spatial<Lanes>>,
     /// Momentum of the links beyond each joint about its joint point.
@@ -52,6 +55,7 @@ impl Point {
         let n = model.links.len();
         let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
+            turns: vec![Turn::zero(); n],
             places: vec![Place::ground(); n],
             twists: vec![Spatial::zero(); n],
             momenta: vec![Spatial::zero(); n],
@@ -70,7 +74,9 @@ impl Point {
         for (i, link) in model.links.iter().enumerate() {
             let (above, rest) = self.places.split_at_mut(i);
             let ground = Matrix3::identity();
-            rest[0] = Place::new(link, link.parent.map_or(&ground, |p| &above[p].r), &q[link.position..]);
+            let turn = &mut self.turns[i];
+            let parent = link.parent.map_or(&ground, |p| &above[p].r);
+            rest[0] = Place::with(link, parent, &q[link.position..], |angle| turn.sin_cos(angle));
         }
     }
 
@@ -196,17 +202,30 @@ impl Point {
 
     /// Solves `H u = m` in place, with `H` as factorised last.
     pub(super) fn solve(&mut self, model: &Model, u: &mut [Lanes]) {
+        self.begin();
+        model.links.iter().enumerate().rev().for_each(|(i, link)| self.inward(i, link, u));
+        model.links.iter().enumerate().for_each(|(i, link)| self.outward(i, link, u));
+    }
+
+    /// [`Self::solve`] link by link: what comes before its way to the root.
+    pub(super) fn begin(&mut self) {
         self.sums.fill(Spatial::zero());
-        for (i, link) in model.links.iter().enumerate().rev() {
-            let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
-            if let Some(parent) = link.parent {
-                self.sums[parent] += passed.wrench_from(&self.offsets[i]);
-            }
+    }
+
+    /// One link of the way to the root.
+    #[inline(always)]
+    pub(super) fn inward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+        let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
+        if let Some(parent) = link.parent {
+            self.sums[parent] += passed.wrench_from(&self.offsets[i]);
         }
-        for (i, link) in model.links.iter().enumerate() {
-            let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
-            self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
-        }
+    }
+
+    /// One link of the way from the root.
+    #[inline(always)]
+    pub(super) fn outward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+        let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
+        self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
     }
 }
 
@@ -219,6 +238,9 @@ fn held(link: &Link, time: Lanes, q: Lanes) -> Lanes {
 
 /// Momenta along the velocities from the canonical ones.
 pub(super) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut [T]) {
+    if model.plain {
+        return m.copy_from_slice(p);
+    }
     for link in &model.links {
         let (q, p, m) = (&q[link.position..], &p[link.position..], &mut m[link.velocity..]);
         match link.kind {

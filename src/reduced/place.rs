@@ -21,14 +21,21 @@ impl<T: Real> Place<T> {
     /// `q` begins with the link's positions. A quaternion may have any length.
     #[inline(always)]
     pub(super) fn new(link: &Link, parent: &Matrix3<T>, q: &[T]) -> Place<T> {
+        Place::with(link, parent, q, T::sin_cos)
+    }
+
+    /// The same with sines and cosines from elsewhere.
+    #[inline(always)]
+    pub(super) fn with(link: &Link, parent: &Matrix3<T>, q: &[T], sin_cos: impl FnOnce(T) -> (T, T)) -> Place<T> {
         let axes = parent.product(&Matrix3::of(&link.parent_axes));
         let offset = parent.times(&Vector3::of(&link.in_parent.translation.vector));
         match link.kind {
-            JointKind::Revolute => Place { r: about_z(&axes, q[0]), offset },
+            JointKind::Revolute => Place { r: about_z(&axes, sin_cos(q[0])), offset },
             JointKind::Prismatic => Place { r: axes, offset: offset + *axes.column(2) * q[0] },
-            JointKind::Planar => {
-                Place { r: about_z(&axes, q[2]), offset: offset + *axes.column(0) * q[0] + *axes.column(1) * q[1] }
-            }
+            JointKind::Planar => Place {
+                r: about_z(&axes, sin_cos(q[2])),
+                offset: offset + *axes.column(0) * q[0] + *axes.column(1) * q[1],
+            },
             JointKind::Spherical => Place { r: axes.product(&matrix(&q[..4])), offset },
             JointKind::Floating => Place {
                 r: axes.product(&matrix(&q[3..7])),
@@ -38,10 +45,9 @@ impl<T: Real> Place<T> {
     }
 }
 
-/// `axes` turned about its own z axis.
+/// `axes` turned about its own z axis by an angle of this sine and cosine.
 #[inline(always)]
-fn about_z<T: Real>(axes: &Matrix3<T>, angle: T) -> Matrix3<T> {
-    let (s, c) = angle.sin_cos();
+fn about_z<T: Real>(axes: &Matrix3<T>, (s, c): (T, T)) -> Matrix3<T> {
     let [x, y, z] = axes.columns;
     Matrix3::from_columns([x * c + y * s, y * c - x * s, z])
 }

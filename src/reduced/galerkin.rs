@@ -27,9 +27,11 @@
 
 mod continuation;
 
+use std::sync::Arc;
+
 use super::adams::{Adams, Rates};
 use super::gauss::Gauss;
-use super::hamiltonian::{Point, along_velocities, canonical, momentum_rates};
+use super::hamiltonian::{Kept, Point, along_velocities, canonical, momentum_rates};
 use super::real::{LANES, Lanes, Real};
 use super::{Model, compensated::Compensated};
 use crate::mechanics::State;
@@ -106,13 +108,13 @@ struct Batch {
 }
 
 impl Batch {
-    fn new(model: &Model, gauss: &Gauss, step: f64, first: usize) -> Batch {
+    fn new(model: &Model, kept: &Arc<[Kept]>, gauss: &Gauss, step: f64, first: usize) -> Batch {
         let (positions, velocities) =
             (|| vec![Lanes::of(0.0); model.positions], || vec![Lanes::of(0.0); model.velocities]);
         let s = gauss.stages();
         let stage = |k: usize| (first + k).min(s - 1);
         Batch {
-            point: Point::new(model),
+            point: Point::new(model, kept),
             first,
             count: LANES.min(s - first),
             h_b: Lanes::from_fn(|k| gauss.weights[stage(k)] * step),
@@ -215,7 +217,8 @@ impl Galerkin {
     pub fn new(model: Model, stages: usize, step: f64, energy_scale: f64) -> Result<Galerkin, Failure> {
         let gauss = Gauss::new(stages);
         let (q, u) = model.initial();
-        let mut end = Batch::new(&model, &gauss, step, 0);
+        let kept = Kept::all(&model);
+        let mut end = Batch::new(&model, &kept, &gauss, step, 0);
         everywhere(&q, &mut end.q);
         everywhere(&u, &mut end.u);
         end.point.place(&model, &end.q);
@@ -226,7 +229,7 @@ impl Galerkin {
         // The first prediction knows the rates at the start alone.
         let (mut q_rates, mut p_rates) = (Rates::new(stages, q.len()), Rates::new(stages, q.len()));
         let mut batches: Vec<Batch> =
-            (0..stages).step_by(LANES).map(|first| Batch::new(&model, &gauss, step, first)).collect();
+            (0..stages).step_by(LANES).map(|first| Batch::new(&model, &kept, &gauss, step, first)).collect();
         for batch in &mut batches {
             let Batch { q, p, u, force, .. } = &end;
             model.rates(q, u, &mut batch.rate);

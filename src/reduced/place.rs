@@ -13,6 +13,20 @@ pub(super) struct Place<T: Real> {
     pub offset: Vector3<T>,
 }
 
+/// Axes and point of a joint in its parent's link frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hold<T: Real> {
+    axes: Matrix3<T>,
+    point: Vector3<T>,
+}
+
+impl<T: Real> Hold<T> {
+    #[inline(always)]
+    pub(super) fn of(link: &Link) -> Hold<T> {
+        Hold { axes: Matrix3::of(&link.parent_axes), point: Vector3::of(&link.in_parent.translation.vector) }
+    }
+}
+
 impl<T: Real> Place<T> {
     pub(super) fn ground() -> Place<T> {
         Place { r: Matrix3::identity(), offset: Vector3::zeros() }
@@ -21,15 +35,21 @@ impl<T: Real> Place<T> {
     /// `q` begins with the link's positions. A quaternion may have any length.
     #[inline(always)]
     pub(super) fn new(link: &Link, parent: &Matrix3<T>, q: &[T]) -> Place<T> {
-        Place::with(link, parent, q, T::sin_cos)
+        Place::with(link.kind, &Hold::of(link), parent, q, T::sin_cos)
     }
 
-    /// The same with sines and cosines from elsewhere.
+    /// The same with what the parent holds, and sines and cosines, from elsewhere.
     #[inline(always)]
-    pub(super) fn with(link: &Link, parent: &Matrix3<T>, q: &[T], sin_cos: impl FnOnce(T) -> (T, T)) -> Place<T> {
-        let axes = parent.product(&Matrix3::of(&link.parent_axes));
-        let offset = parent.times(&Vector3::of(&link.in_parent.translation.vector));
-        match link.kind {
+    pub(super) fn with(
+        kind: JointKind,
+        hold: &Hold<T>,
+        parent: &Matrix3<T>,
+        q: &[T],
+        sin_cos: impl FnOnce(T) -> (T, T),
+    ) -> Place<T> {
+        let axes = parent.product(&hold.axes);
+        let offset = parent.times(&hold.point);
+        match kind {
             JointKind::Revolute => Place { r: about_z(&axes, sin_cos(q[0])), offset },
             JointKind::Prismatic => Place { r: axes, offset: offset + *axes.column(2) * q[0] },
             JointKind::Planar => Place {

@@ -131,7 +131,7 @@ impl Lobatto {
             closing: Spatial::ZERO,
         };
         let (bodies, pose) = bodies(system, state);
-        let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let arms: f64 = nodes.iter().map(|node| node.mount.arm.norm().max(node.mount.parent_arm.norm())).sum();
         let mut lobatto = Lobatto {
             gravity: system.gravity,
             bodies,
@@ -274,7 +274,7 @@ impl Lobatto {
                 let wrench = Spatial::new(axes * stage.wrench.linear, axes * stage.wrench.angular);
                 let force = self.pose[i].r.tr_mul(&wrench.linear);
                 self.stages[i * s + k].load += wrench;
-                self.stages[i * s + k].virial += force * self.nodes[i].arm.transpose();
+                self.stages[i * s + k].virial += force * self.nodes[i].mount.arm.transpose();
                 if parent > 0 {
                     let arm = self.stages[parent * s + k].place.arm + stage.place.offset;
                     let arm = self.pose_at(parent, k).r.tr_mul(&arm);

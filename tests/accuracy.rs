@@ -107,11 +107,37 @@ fn one_percent_of_an_inertia_is_caught_in_every_engine() {
     assert_eq!(unresolved, ["stiff_joint"]);
 }
 
+#[test]
+fn accelerations_in_single_precision_show_one_percent_of_an_inertia_where_roundoff_allows() {
+    let (mut missed, mut unjudged) = (Vec::new(), Vec::new());
+    let engines = specs(&["rapier:joints=multibody", "rapier:joints=multibody,substeps=1"]);
+    for system in systems() {
+        let mut off = system.clone();
+        if let Some(body) = off.bodies.last_mut() {
+            body.inertia *= 1.01;
+        }
+        for found in parity(&off, &system, &engines) {
+            match (found.acceleration, found.bounds.acceleration) {
+                (Some(difference), Some(bound)) if difference > bound => {}
+                (Some(_), Some(_)) => missed.push(system.name.clone()),
+                _ => unjudged.push(system.name.clone()),
+            }
+        }
+    }
+    missed.dedup();
+    unjudged.dedup();
+    // The last of ten links, and the last joint of the zoo, move the rest by less than roundoff does: 2e-5 and 6e-5. The tumbling body
+    // turns as before with 1 % more of all its moments.
+    assert_eq!(missed, ["chain_10", "joint_zoo"]);
+    assert_eq!(unjudged, ["stiff_joint", "tumbling_body"]);
+}
+
 /// Every engine as it comes, and rapier in double precision with both kinds of joints.
 fn engines_of(system: &System) -> Vec<Spec> {
     let damped = system.bodies.iter().any(|b| b.joint.damping > 0.0);
     let mut texts: Vec<&str> = ENGINES.iter().map(|e| e.name).collect();
-    texts.extend(["rapier:precision=f64", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"]);
+    texts.extend(["rapier:precision=f64", "rapier:preset=strong"]);
+    texts.extend(["rapier:joints=multibody", "rapier:joints=multibody,precision=f64"]);
     texts.extend((!damped).then_some("rattle:order=8"));
     specs(&texts)
 }

@@ -241,6 +241,19 @@ fn simulations_and_comparisons_warn_of_bodies_that_turn_far_in_a_step() {
     assert!(fs::read_to_string(folder.path().join("index.html")).expect("written").contains("energy bounds are for"));
 }
 
+#[test]
+fn an_engine_that_does_not_take_the_scene_says_why_once_for_all_steps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let damped = "models/damped_pendulum/scene.json";
+    let engines = ["--engine", "rattle", "--engine", "rattle:order=8", "--quick"];
+    let (stdout, _) = run(&[&["compare", damped, "--out", text(folder.path())][..], &engines].concat(), 0);
+    let reasons: Vec<&str> = stdout.lines().filter(|line| line.starts_with("rattle:order=8 at ")).collect();
+    let report = report(folder.path());
+    let detail = report.runs[2].outcome_detail.as_deref().expect("a reason");
+    assert_eq!((report.runs[2].outcome, detail.is_empty()), (Outcome::Unsupported, false));
+    assert_eq!(reasons, [format!("rattle:order=8 at 10 ms, 5 ms: {detail}")], "{stdout}");
+}
+
 /// A quick comparison into a fresh folder.
 fn compare(more: &[&str]) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");

@@ -171,6 +171,10 @@ fn print(report: &Report, page: &Path) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}\n{}\n", report.scene.name, finding::sentence(report))?;
     writeln!(out, "{}", table::text(report))?;
+    let endings = table::endings(report);
+    if !endings.is_empty() {
+        writeln!(out, "{endings}")?;
+    }
     if let Some(structure) = table::structure_text(report) {
         writeln!(out, "structure of {} steps\n{structure}", crate::measure::structure::STEPS)?;
     }

@@ -59,8 +59,18 @@ impl Rates {
     /// `start + sum_k weights_k rates_k`
     #[inline(always)]
     pub(super) fn sum(&self, rates: &[f64], weights: &[Lanes], start: &[f64], out: &mut [Lanes]) {
-        for (k, (out, start)) in out.iter_mut().zip(start).enumerate() {
-            *out = self.weighted(rates, weights, k) + Lanes::of(*start);
+        // Four sums side by side do not wait for each other.
+        let whole = out.len() / 4 * 4;
+        for (block, (out, start)) in out.chunks_exact_mut(4).zip(start.chunks_exact(4)).enumerate() {
+            let mut sums = [Lanes::of(0.0); 4];
+            for (weight, rates) in weights.iter().zip(rates.chunks_exact(self.width)) {
+                let rates = &rates[4 * block..4 * block + 4];
+                (0..4).for_each(|k| sums[k] += *weight * Lanes::of(rates[k]));
+            }
+            (0..4).for_each(|k| out[k] = sums[k] + Lanes::of(start[k]));
+        }
+        for k in whole..out.len() {
+            out[k] = self.weighted(rates, weights, k) + Lanes::of(start[k]);
         }
     }
 

@@ -19,18 +19,50 @@
 //! tau  = L x omega_parent + P x v + N - c u   in link axes .
 //! ```
 
+use std::sync::Arc;
+
 use super::Model;
 use super::linear::{Matrix3, Vector3};
 use super::model::{Link, product};
-use super::place::{Place, matrix, relative_twist};
+use super::place::{Hold, Place, matrix, relative_twist};
 use super::real::{Lanes, Real};
 use super::spatial::{Elimination, Inertia, Spatial};
 use super::springs::Seen;
+use super::turn::Turn;
 use crate::mechanics::JointKind;
+
+/// What a link keeps in all lanes: spread out once and not at every use.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    hold: Hold<Lanes>,
+    mass: Lanes,
+    mass_beyond: Lanes,
+    first_moment: Vector3<Lanes>,
+    inertia: Matrix3<Lanes>,
+    damping: Lanes,
+}
+
+impl Kept {
+    /// For all links of a model.
+    pub(super) fn all(model: &Model) -> Arc<[Kept]> {
+        let kept = |link: &Link| Kept {
+            hold: Hold::of(link),
+            mass: Lanes::of(link.mass),
+            mass_beyond: Lanes::of(link.mass_beyond),
+            first_moment: Vector3::of(&link.first_moment),
+            inertia: Matrix3::of(&link.inertia),
+            damping: Lanes::of(link.damping),
+        };
+        model.links.iter().map(kept).collect()
+    }
+}
 
 /// The equations at points of the phase space, as many as there are lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
+    kept: Arc<[Kept]>,
+    /// Angles of turning joints with their sines.
+    turns: Vec<Turn>,
     places: Vec<Place<Lanes>>,
     twists: Vec<Spatial<Lanes>>,
     /// Momentum of the links beyond each joint about its joint point.
@@ -48,10 +80,12 @@ pub(super) struct Point {
 }
 
 impl Point {
-    pub(super) fn new(model: &Model) -> Point {
+    pub(super) fn new(model: &Model, kept: &Arc<[Kept]>) -> Point {
         let n = model.links.len();
         let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
+            kept: kept.clone(),
+            turns: vec![Turn::zero(); n],
             places: vec![Place::ground(); n],
             twists: vec![Spatial::zero(); n],
             momenta: vec![Spatial::zero(); n],
@@ -70,7 +104,10 @@ impl Point {
         for (i, link) in model.links.iter().enumerate() {
             let (above, rest) = self.places.split_at_mut(i);
             let ground = Matrix3::identity();
-            rest[0] = Place::new(link, link.parent.map_or(&ground, |p| &above[p].r), &q[link.position..]);
+            let turn = &mut self.turns[i];
+            let parent = link.parent.map_or(&ground, |p| &above[p].r);
+            let hold = &self.kept[i].hold;
+            rest[0] = Place::with(link.kind, hold, parent, &q[link.position..], |angle| turn.sin_cos(angle));
         }
     }
 
@@ -91,19 +128,18 @@ impl Point {
             let above = link.parent.map_or(Spatial::zero(), |p| self.twists[p]);
             let Place { r, offset } = &self.places[i];
             let twist = above.twist_at(offset) + relative_twist(link.kind, r, &u[link.velocity..]);
-            let moment = r.times(&Vector3::of(&link.first_moment));
-            let turning = r.times(&Matrix3::of(&link.inertia).times(&r.transpose_times(&twist.ang)));
-            self.momenta[i] = Spatial::new(
-                twist.lin * Lanes::of(link.mass) + twist.ang.cross(&moment),
-                turning + moment.cross(&twist.lin),
-            );
+            let kept = &self.kept[i];
+            let moment = r.times(&kept.first_moment);
+            let turning = r.times(&kept.inertia.times(&r.transpose_times(&twist.ang)));
+            self.momenta[i] =
+                Spatial::new(twist.lin * kept.mass + twist.ang.cross(&moment), turning + moment.cross(&twist.lin));
             (self.twists[i], self.moments[i]) = (twist, moment);
         }
         if !model.springs.is_empty() {
             self.pull(model);
         }
         for (i, link) in model.links.iter().enumerate().rev() {
-            let (damping, mass_beyond) = (Lanes::of(link.damping), Lanes::of(link.mass_beyond));
+            let Kept { damping, mass_beyond, .. } = self.kept[i];
             let Place { r, offset: d } = &self.places[i];
             let Spatial { lin: p, ang: l } = self.momenta[i];
             let (twist, moment) = (&self.twists[i], self.moments[i]);
@@ -181,7 +217,7 @@ impl Point {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.places[i].r;
             self.inertias[i] =
-                Inertia::of_body(link.mass, &r.times(&Vector3::of(&link.first_moment)), &Matrix3::of(&link.inertia), r);
+                Inertia::of_body(link.mass, &r.times(&self.kept[i].first_moment), &self.kept[i].inertia, r);
             self.offsets[i] = self.places[i].offset;
         }
         for (i, link) in model.links.iter().enumerate().rev() {
@@ -196,17 +232,30 @@ impl Point {
 
     /// Solves `H u = m` in place, with `H` as factorised last.
     pub(super) fn solve(&mut self, model: &Model, u: &mut [Lanes]) {
+        self.begin();
+        model.links.iter().enumerate().rev().for_each(|(i, link)| self.inward(i, link, u));
+        model.links.iter().enumerate().for_each(|(i, link)| self.outward(i, link, u));
+    }
+
+    /// [`Self::solve`] link by link: what comes before its way to the root.
+    pub(super) fn begin(&mut self) {
         self.sums.fill(Spatial::zero());
-        for (i, link) in model.links.iter().enumerate().rev() {
-            let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
-            if let Some(parent) = link.parent {
-                self.sums[parent] += passed.wrench_from(&self.offsets[i]);
-            }
+    }
+
+    /// One link of the way to the root.
+    #[inline(always)]
+    pub(super) fn inward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+        let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
+        if let Some(parent) = link.parent {
+            self.sums[parent] += passed.wrench_from(&self.offsets[i]);
         }
-        for (i, link) in model.links.iter().enumerate() {
-            let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
-            self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
-        }
+    }
+
+    /// One link of the way from the root.
+    #[inline(always)]
+    pub(super) fn outward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+        let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
+        self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
     }
 }
 
@@ -219,6 +268,9 @@ fn held(link: &Link, time: Lanes, q: Lanes) -> Lanes {
 
 /// Momenta along the velocities from the canonical ones.
 pub(super) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut [T]) {
+    if model.plain {
+        return m.copy_from_slice(p);
+    }
     for link in &model.links {
         let (q, p, m) = (&q[link.position..], &p[link.position..], &mut m[link.velocity..]);
         match link.kind {

@@ -25,5 +25,6 @@ mod real;
 pub mod recursive;
 mod spatial;
 mod springs;
+mod turn;
 
 pub use model::{Link, Model};

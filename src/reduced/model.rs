@@ -62,6 +62,8 @@ pub struct Model {
     /// Number of positions and of velocities.
     pub positions: usize,
     pub velocities: usize,
+    /// Every joint has one coordinate: a position's rate is its velocity, and its momentum lies along that.
+    pub plain: bool,
     initial: Vec<JointCoordinates>,
 }
 
@@ -142,6 +144,7 @@ impl Model {
             closures: system.parts.loops.iter().map(|closure| Closure::new(closure, &links)).collect(),
             couplings: system.parts.couplings.clone(),
             rank: system.mobility.rank,
+            plain: links.iter().all(|link| matches!(link.kind, JointKind::Revolute | JointKind::Prismatic)),
             links,
             gravity: system.gravity,
             positions,

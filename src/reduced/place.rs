@@ -13,6 +13,20 @@ pub(super) struct Place<T: Real> {
     pub offset: Vector3<T>,
 }
 
+/// Axes and point of a joint in its parent's link frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hold<T: Real> {
+    axes: Matrix3<T>,
+    point: Vector3<T>,
+}
+
+impl<T: Real> Hold<T> {
+    #[inline(always)]
+    pub(super) fn of(link: &Link) -> Hold<T> {
+        Hold { axes: Matrix3::of(&link.parent_axes), point: Vector3::of(&link.in_parent.translation.vector) }
+    }
+}
+
 impl<T: Real> Place<T> {
     pub(super) fn ground() -> Place<T> {
         Place { r: Matrix3::identity(), offset: Vector3::zeros() }
@@ -21,14 +35,27 @@ impl<T: Real> Place<T> {
     /// `q` begins with the link's positions. A quaternion may have any length.
     #[inline(always)]
     pub(super) fn new(link: &Link, parent: &Matrix3<T>, q: &[T]) -> Place<T> {
-        let axes = parent.product(&Matrix3::of(&link.parent_axes));
-        let offset = parent.times(&Vector3::of(&link.in_parent.translation.vector));
-        match link.kind {
-            JointKind::Revolute => Place { r: about_z(&axes, q[0]), offset },
+        Place::with(link.kind, &Hold::of(link), parent, q, T::sin_cos)
+    }
+
+    /// The same with what the parent holds, and sines and cosines, from elsewhere.
+    #[inline(always)]
+    pub(super) fn with(
+        kind: JointKind,
+        hold: &Hold<T>,
+        parent: &Matrix3<T>,
+        q: &[T],
+        sin_cos: impl FnOnce(T) -> (T, T),
+    ) -> Place<T> {
+        let axes = parent.product(&hold.axes);
+        let offset = parent.times(&hold.point);
+        match kind {
+            JointKind::Revolute => Place { r: about_z(&axes, sin_cos(q[0])), offset },
             JointKind::Prismatic => Place { r: axes, offset: offset + *axes.column(2) * q[0] },
-            JointKind::Planar => {
-                Place { r: about_z(&axes, q[2]), offset: offset + *axes.column(0) * q[0] + *axes.column(1) * q[1] }
-            }
+            JointKind::Planar => Place {
+                r: about_z(&axes, sin_cos(q[2])),
+                offset: offset + *axes.column(0) * q[0] + *axes.column(1) * q[1],
+            },
             JointKind::Spherical => Place { r: axes.product(&matrix(&q[..4])), offset },
             JointKind::Floating => Place {
                 r: axes.product(&matrix(&q[3..7])),
@@ -38,10 +65,9 @@ impl<T: Real> Place<T> {
     }
 }
 
-/// `axes` turned about its own z axis.
+/// `axes` turned about its own z axis by an angle of this sine and cosine.
 #[inline(always)]
-fn about_z<T: Real>(axes: &Matrix3<T>, angle: T) -> Matrix3<T> {
-    let (s, c) = angle.sin_cos();
+fn about_z<T: Real>(axes: &Matrix3<T>, (s, c): (T, T)) -> Matrix3<T> {
     let [x, y, z] = axes.columns;
     Matrix3::from_columns([x * c + y * s, y * c - x * s, z])
 }

@@ -76,7 +76,8 @@ pub struct EngineParity {
     pub acceleration_solved: Option<f64>,
     /// What the figures are held to: accelerations, solved where there are two, to the second bound, the others to the first.
     pub bound: f64,
-    /// Absent where accelerations are told and not judged: single precision, and constraints solved by iterations.
+    /// Absent where accelerations are told and not judged: motions that the steps do not resolve, and single precision with
+    /// constraints that iterations solve or with velocities whose roundoff hides the accelerations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration_bound: Option<f64>,
 }

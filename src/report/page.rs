@@ -239,7 +239,8 @@ fn parity_of(parity: &evidence::Parity) -> Markup {
             "Relative differences at t = 0 between what an engine has and the system. Masses, inertias and centres of mass are \
              read back from engines that keep their own. Accelerations are those of the joints, from the first steps of the engine, \
              against the reference; solved: the same with the constraints solved to the end, where the settings of the engine \
-             leave them half solved. In single precision and with impulse joints they are told and not judged; what is read back is."
+             leave them half solved. They are told and not judged where the steps do not resolve the motion, and in single precision \
+             with impulse joints or where roundoff hides them; what is read back is judged."
         }
     }
 }

@@ -166,6 +166,19 @@ pub fn text(report: &Report) -> String {
     aligned(report, &columns(report))
 }
 
+/// Why runs did not complete, a line each; the steps of an engine that end in the same words share one.
+pub fn endings(report: &Report) -> String {
+    let mut found: Vec<(&str, &str, Vec<String>)> = Vec::new();
+    for run in &report.runs {
+        let Some(detail) = run.outcome_detail.as_deref() else { continue };
+        match found.iter_mut().find(|(engine, words, _)| *engine == run.engine && *words == detail) {
+            Some((.., steps)) => steps.push(duration(run.step_s)),
+            None => found.push((&run.engine, detail, vec![duration(run.step_s)])),
+        }
+    }
+    found.iter().map(|(engine, detail, steps)| format!("{engine} at {}: {detail}\n", steps.join(", "))).collect()
+}
+
 /// The table of the structure of a few steps as aligned text; `None` where it was not examined.
 pub fn structure_text(report: &Report) -> Option<String> {
     let columns = structure_columns(report);

@@ -35,7 +35,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::compensated::Compensated3;
-use super::joints::{Motion, Moved, Node, Place, Pose, mismatch};
+use super::joints::{Motion, Mount, Moved, Node, Place, Pose, mismatch};
 use super::newton::closing_twist;
 use super::rows::Row;
 use super::spatial::{Spatial, Twist};
@@ -110,10 +110,12 @@ pub(super) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond> {
             Box::new(Node {
                 parent: node(closure.parent),
                 kind,
-                arm: closure.in_child.translation.vector,
-                frame: closure.in_child.rotation.to_rotation_matrix().into_inner(),
-                parent_arm: closure.in_parent.translation.vector,
-                parent_frame: closure.in_parent.rotation.to_rotation_matrix().into_inner(),
+                mount: Box::new(Mount {
+                    arm: closure.in_child.translation.vector,
+                    frame: closure.in_child.rotation.to_rotation_matrix().into_inner(),
+                    parent_arm: closure.in_parent.translation.vector,
+                    parent_frame: closure.in_parent.rotation.to_rotation_matrix().into_inner(),
+                }),
                 ..nodes[0].clone()
             })
         };
@@ -204,9 +206,9 @@ impl Bond {
         let (child, parent) = (pose[self.child], pose[self.parent]);
         match &self.kind {
             Kind::Loop { joint, ball, .. } => {
-                self.arm = child.r * joint.arm;
+                self.arm = child.r * joint.mount.arm;
                 self.parent_arm = (child.x - parent.x) + self.arm;
-                self.axes = parent.r * joint.parent_frame;
+                self.axes = parent.r * joint.mount.parent_frame;
                 let gap = mismatch(joint, &child, &parent);
                 let linear = ball.as_ref().map_or(gap.linear, |ball| mismatch(ball, &child, &parent).linear);
                 let angular = self.keep_reached(gap.angular);

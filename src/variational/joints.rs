@@ -17,20 +17,27 @@ pub(super) struct Node {
     pub inertia: Vector3<f64>,
     /// One over the smallest of them, 1/(kg m^2).
     pub thinnest: f64,
-    /// Origin of the joint frame in the body frame, m.
-    pub arm: Vector3<f64>,
-    /// Axes of the joint frame in the body frame.
-    pub frame: Matrix3<f64>,
-    /// Origin of the joint frame in the parent's body frame, m.
-    pub parent_arm: Vector3<f64>,
-    /// Axes of the joint frame in the parent's body frame.
-    pub parent_frame: Matrix3<f64>,
+    /// Where the joint sits. Elsewhere, so that rounds of the constraint iteration, which read nodes many times, do not fetch it.
+    pub mount: Box<Mount>,
     /// Where springs, dampers and drives act along the joint's coordinates: their place in the list of forces.
     pub force: Option<usize>,
     /// With no or very little inertia.
     pub light: bool,
     /// Articulated inertia along the joint that counts as none, kg or kg m^2; 0 unless light.
     pub least: f64,
+}
+
+/// The joint frame in the frames of the two bodies.
+#[derive(Clone, Debug)]
+pub(super) struct Mount {
+    /// Its origin in the body frame, m.
+    pub arm: Vector3<f64>,
+    /// Its axes in the body frame.
+    pub frame: Matrix3<f64>,
+    /// Its origin in the parent's body frame, m.
+    pub parent_arm: Vector3<f64>,
+    /// Its axes in the parent's body frame.
+    pub parent_frame: Matrix3<f64>,
 }
 
 /// The system's bodies behind a node for the ground.
@@ -41,10 +48,12 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
         mass: f64::INFINITY,
         inertia: Vector3::repeat(f64::INFINITY),
         thinnest: 0.0,
-        arm: Vector3::zeros(),
-        frame: Matrix3::identity(),
-        parent_arm: Vector3::zeros(),
-        parent_frame: Matrix3::identity(),
+        mount: Box::new(Mount {
+            arm: Vector3::zeros(),
+            frame: Matrix3::identity(),
+            parent_arm: Vector3::zeros(),
+            parent_frame: Matrix3::identity(),
+        }),
         force: None,
         light: false,
         least: 0.0,
@@ -64,10 +73,12 @@ pub(super) fn nodes(system: &System) -> Vec<Node> {
             mass: body.mass,
             inertia: body.inertia,
             thinnest: 1.0 / body.inertia.min(),
-            arm,
-            frame: joint.in_child.rotation.to_rotation_matrix().into_inner(),
-            parent_arm,
-            parent_frame: joint.in_parent.rotation.to_rotation_matrix().into_inner(),
+            mount: Box::new(Mount {
+                arm,
+                frame: joint.in_child.rotation.to_rotation_matrix().into_inner(),
+                parent_arm,
+                parent_frame: joint.in_parent.rotation.to_rotation_matrix().into_inner(),
+            }),
             force: None,
             light: false,
             least: 0.0,
@@ -132,14 +143,14 @@ impl Place {
     /// `parent_arm_at` is the [`Place::arm`] of the parent.
     #[inline(always)]
     pub(super) fn new(node: &Node, pose: &Pose, parent: &Pose, parent_arm_at: &Vector3<f64>) -> Place {
-        let arm = pose.r * node.arm;
+        let arm = pose.r * node.mount.arm;
         let offset = match node.kind {
-            JointKind::Revolute | JointKind::Spherical => parent.r * node.parent_arm - parent_arm_at,
+            JointKind::Revolute | JointKind::Spherical => parent.r * node.mount.parent_arm - parent_arm_at,
             JointKind::Prismatic | JointKind::Planar | JointKind::Floating => {
                 pose.way_from(parent) + (arm - parent_arm_at)
             }
         };
-        Place { arm, offset, axes: parent.r * node.parent_frame }
+        Place { arm, offset, axes: parent.r * node.mount.parent_frame }
     }
 }
 
@@ -147,16 +158,16 @@ impl Place {
 /// rotation part is exact to first order, and zero exactly where the joint holds.
 #[inline(always)]
 pub(super) fn mismatch(node: &Node, pose: &Pose, parent: &Pose) -> Twist {
-    let gap = || pose.way_from(parent) + (pose.r * node.arm - parent.r * node.parent_arm);
+    let gap = || pose.way_from(parent) + (pose.r * node.mount.arm - parent.r * node.mount.parent_arm);
     // The z axes of both joint frames: their cross product turns the parent's into the child's.
-    let axis = || parent.r * node.parent_frame.column(2);
-    let tilt = |axis: &Vector3<f64>| axis.cross(&(pose.r * node.frame.column(2)));
+    let axis = || parent.r * node.mount.parent_frame.column(2);
+    let tilt = |axis: &Vector3<f64>| axis.cross(&(pose.r * node.mount.frame.column(2)));
     match node.kind {
         JointKind::Revolute => Spatial::new(gap(), tilt(&axis())),
         JointKind::Spherical => Spatial::new(gap(), Vector3::zeros()),
         JointKind::Prismatic => {
             let (gap, axis) = (gap(), axis());
-            let (child, parent_axes) = (pose.r * node.frame, parent.r * node.parent_frame);
+            let (child, parent_axes) = (pose.r * node.mount.frame, parent.r * node.mount.parent_frame);
             let turn = (0..3).map(|k| parent_axes.column(k).cross(&child.column(k))).sum::<Vector3<f64>>();
             // Twice: a long stroke leaves roundoff of its own length along the axis, where the joint cannot answer it.
             let across = gap - axis * axis.dot(&gap);
@@ -222,11 +233,13 @@ pub(super) struct Motion {
 impl Motion {
     pub(super) const NONE: Motion = Motion { dx: Vector3::new(0.0, 0.0, 0.0), s: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`.
+    /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`, with the factor as
+    /// `2 - 2 |s|^2 / (1 + |s|^2)`: rounded next to a power of two it would be too small on average.
     #[inline(always)]
     pub(super) fn turned(&self, r: &Vector3<f64>) -> Vector3<f64> {
         let once = self.s.cross(r);
-        (once + self.s.cross(&once)) * (2.0 / (1.0 + self.s.norm_squared()))
+        let (twice, square) = (2.0 * (once + self.s.cross(&once)), self.s.norm_squared());
+        twice - twice * (square / (1.0 + square))
     }
 }
 

@@ -31,7 +31,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use super::Failure;
 use super::attitude::{Attitude, MOST_ITERATIONS};
 use super::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
-use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, rotation_increment, world_inertia};
+use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tableau::{MOST_STAGES, Tableau};
 use super::tree::{Singular, Tree};
@@ -131,7 +131,7 @@ impl Lobatto {
             closing: Spatial::ZERO,
         };
         let (bodies, pose) = bodies(system, state);
-        let arms: f64 = nodes.iter().map(|node| node.arm.norm().max(node.parent_arm.norm())).sum();
+        let arms: f64 = nodes.iter().map(|node| node.mount.arm.norm().max(node.mount.parent_arm.norm())).sum();
         let mut lobatto = Lobatto {
             gravity: system.gravity,
             bodies,
@@ -176,8 +176,8 @@ impl Lobatto {
             body.p.add(&linear);
             body.pi.add(&(pose.r * angular));
             body.x.add(&dx);
-            body.q.add(&rotation_increment(&pose.q, &s));
-            body.q.add(&norm_defect(&body.q.value));
+            body.q.add(&(Quaternion::from(pose.q) * turn_less_one(&s)).coords);
+            body.q.add(&norm_defect(&body.q));
             *pose = Pose::new(&body.x, body.q.value);
         }
         self.factorise()?;
@@ -274,7 +274,7 @@ impl Lobatto {
                 let wrench = Spatial::new(axes * stage.wrench.linear, axes * stage.wrench.angular);
                 let force = self.pose[i].r.tr_mul(&wrench.linear);
                 self.stages[i * s + k].load += wrench;
-                self.stages[i * s + k].virial += force * self.nodes[i].arm.transpose();
+                self.stages[i * s + k].virial += force * self.nodes[i].mount.arm.transpose();
                 if parent > 0 {
                     let arm = self.stages[parent * s + k].place.arm + stage.place.offset;
                     let arm = self.pose_at(parent, k).r.tr_mul(&arm);

@@ -62,18 +62,28 @@ impl Predictor {
 
     /// Writes the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given degree.
     pub(super) fn predict(&self, time: f64, h: f64, degree: usize, pose: &[Pose], out: &mut [Wrench]) {
-        let weights = self.weights(time, degree).map(|weight| 0.5 * h * weight);
-        for (i, history) in self.history.iter().enumerate().skip(1) {
-            let mut impulse = Spatial::ZERO;
-            for (weight, past) in weights.iter().zip(history) {
-                impulse += past.scaled(*weight);
-            }
-            out[i] = Spatial::new(pose[i].r * impulse.linear, pose[i].r * impulse.angular);
+        let weights = self.weights(time, h, degree);
+        (1..out.len()).for_each(|i| out[i] = self.impulse(&weights, i, &pose[i]));
+    }
+
+    /// The impulse of joint `i` over a half kick, with the [`Predictor::weights`] of it.
+    #[inline(always)]
+    pub(super) fn impulse(&self, weights: &[f64; DEPTH], i: usize, pose: &Pose) -> Wrench {
+        let mut impulse = Spatial::ZERO;
+        for (weight, past) in weights.iter().zip(&self.history[i]) {
+            impulse += past.scaled(*weight);
         }
+        Spatial::new(pose.r * impulse.linear, pose.r * impulse.angular)
+    }
+
+    /// What the remembered forces count in the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given
+    /// degree.
+    pub(super) fn weights(&self, time: f64, h: f64, degree: usize) -> [f64; DEPTH] {
+        self.lagrange(time, degree).map(|weight| 0.5 * h * weight)
     }
 
     /// Lagrange weights of the newest `degree + 1` entries at a time; zero for the others.
-    fn weights(&self, time: f64, degree: usize) -> [f64; DEPTH] {
+    fn lagrange(&self, time: f64, degree: usize) -> [f64; DEPTH] {
         let newest = |k: usize| newest(self.next, k);
         let mut weights = [0.0; DEPTH];
         let used = degree.min(self.filled.saturating_sub(1));
@@ -88,12 +98,20 @@ impl Predictor {
 
     /// Remembers the impulses of a half kick `h/2` at `time`.
     pub(super) fn record(&mut self, time: f64, h: f64, pose: &[Pose], wrench: &[Wrench]) {
-        let per_force = 2.0 / h;
-        for i in 1..wrench.len() {
-            let r = &pose[i].r;
-            self.history[i][self.next] =
-                Spatial::new(r.tr_mul(&wrench[i].linear) * per_force, r.tr_mul(&wrench[i].angular) * per_force);
-        }
+        (1..wrench.len()).for_each(|i| self.write(h, i, &pose[i], &wrench[i]));
+        self.advance(time);
+    }
+
+    /// Writes down the impulse of joint `i` over a half kick `h/2`; [`Predictor::advance`] follows.
+    #[inline(always)]
+    pub(super) fn write(&mut self, h: f64, i: usize, pose: &Pose, wrench: &Wrench) {
+        let (r, per_force) = (&pose.r, 2.0 / h);
+        self.history[i][self.next] =
+            Spatial::new(r.tr_mul(&wrench.linear) * per_force, r.tr_mul(&wrench.angular) * per_force);
+    }
+
+    /// Remembers what was written down of all joints, at `time`.
+    pub(super) fn advance(&mut self, time: f64) {
         self.times[self.next] = time;
         self.next = (self.next + 1) % DEPTH;
         self.filled = (self.filled + 1).min(DEPTH);

@@ -16,6 +16,8 @@
 //!
 //! and one from the root to the leaves finds the twists. Only `D` is inverted: a number for a hinge.
 
+use std::ops::Range;
+
 use nalgebra::{Cholesky, Const, Matrix3, Matrix6, Vector3};
 
 use super::joints::{Node, Place};
@@ -61,6 +63,8 @@ impl Elimination {
 /// The factorisation at one configuration, with room for the solves.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
+    /// The parents of the nodes, which the sweeps read without the rest of a node.
+    parent: Vec<usize>,
     /// Articulated inertia of each node about its joint point, its own joint not yet eliminated.
     inertia: Vec<Inertia>,
     elimination: Vec<Elimination>,
@@ -83,6 +87,7 @@ pub(super) struct Singular {
 impl Tree {
     /// Of no nodes; it takes no memory.
     pub(super) const EMPTY: Tree = Tree {
+        parent: Vec::new(),
         inertia: Vec::new(),
         elimination: Vec::new(),
         first: Vec::new(),
@@ -94,6 +99,7 @@ impl Tree {
     pub(super) fn new(nodes: &[Node]) -> Tree {
         let zero = Inertia { m: Matrix3::zeros(), h: Matrix3::zeros(), j: Matrix3::zeros() };
         Tree {
+            parent: nodes.iter().map(|node| node.parent).collect(),
             inertia: vec![zero; nodes.len()],
             elimination: nodes.iter().map(|node| Elimination::of(node.kind)).collect(),
             rhs: vec![Spatial::ZERO; nodes.len()],
@@ -186,9 +192,23 @@ impl Tree {
         inertia: impl Fn(usize) -> Matrix3<f64>,
         implicit: impl Fn(usize) -> f64,
     ) -> Result<(), Singular> {
-        for i in 1..nodes.len() {
-            self.inertia[i] = Inertia::of_body(nodes[i].mass, &inertia(i), &places[i].arm);
-        }
+        (1..nodes.len()).for_each(|i| self.put_body(nodes, places, i, &inertia(i)));
+        self.factorise_bodies(nodes, places, implicit)
+    }
+
+    /// Puts in the inertia of node `i` about its centre of mass in world axes, before [`Tree::factorise_bodies`].
+    #[inline(always)]
+    pub(super) fn put_body(&mut self, nodes: &[Node], places: &[Place], i: usize, inertia: &Matrix3<f64>) {
+        self.inertia[i] = Inertia::of_body(nodes[i].mass, inertia, &places[i].arm);
+    }
+
+    /// [`Tree::factorise`] with the inertias of [`Tree::put_body`].
+    pub(super) fn factorise_bodies(
+        &mut self,
+        nodes: &[Node],
+        places: &[Place],
+        implicit: impl Fn(usize) -> f64,
+    ) -> Result<(), Singular> {
         for i in (1..nodes.len()).rev() {
             let mut passed = self.inertia[i];
             let (place, node) = (&places[i], &nodes[i]);
@@ -264,6 +284,40 @@ impl Tree {
         self.sweep(nodes, places, |i| Some(bias(i)), along, &mut solution);
     }
 
+    /// [`Tree::correct`] of the nodes before `tail` alone, as if the mismatch of all others were zero. The nodes from `tail` on hang
+    /// on that one; of them only the wrench in the joint of `tail` is found. Returns the twist of its parent, which carries them along.
+    pub(super) fn correct_head(
+        &mut self,
+        places: &[Place],
+        tail: usize,
+        bias: impl Fn(usize) -> Twist,
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) -> Twist {
+        self.rhs[1..=tail].fill(Spatial::ZERO);
+        self.along[tail] = Vector3::zeros();
+        let bias = |i: usize| (i < tail).then(|| bias(i));
+        self.eliminate(places, 1..tail, &bias, |_| Vector3::zeros());
+        self.substitute(places, 1..tail + 1, &bias, &mut solution);
+        self.twist[self.parent[tail]]
+    }
+
+    /// [`Tree::correct`] of all nodes, in which those from `tail` on are carried by `missed` as well: what [`Tree::correct_head`] has
+    /// returned since they were last corrected. The equations are linear, so that this makes up for it.
+    pub(super) fn correct_all(
+        &mut self,
+        places: &[Place],
+        (tail, missed): (usize, &Twist),
+        bias: impl Fn(usize) -> Twist,
+        mut solution: impl FnMut(usize, &Twist, Wrench),
+    ) {
+        self.rhs[1..].fill(Spatial::ZERO);
+        let (bias, n) = (|i: usize| Some(bias(i)), self.parent.len());
+        self.eliminate(places, 1..n, &bias, |_| Vector3::zeros());
+        self.substitute(places, 1..tail, &bias, &mut solution);
+        self.twist[self.parent[tail]] += *missed;
+        self.substitute(places, tail..n, &bias, &mut solution);
+    }
+
     /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to answer.
     pub(super) fn load(&mut self, nodes: &[Node], places: &[Place], b: impl Fn(usize) -> Wrench) {
         for i in 1..nodes.len() {
@@ -312,7 +366,20 @@ impl Tree {
         along: impl Fn(usize) -> Vector3<f64>,
         solution: &mut impl FnMut(usize, &Twist, Wrench),
     ) {
-        for i in (1..nodes.len()).rev() {
+        self.eliminate(places, 1..nodes.len(), &bias, along);
+        self.substitute(places, 1..nodes.len(), &bias, solution);
+    }
+
+    /// The sweep of some nodes towards the root, which eliminates the free directions of their joints.
+    #[inline(always)]
+    fn eliminate(
+        &mut self,
+        places: &[Place],
+        range: Range<usize>,
+        bias: &impl Fn(usize) -> Option<Twist>,
+        along: impl Fn(usize) -> Vector3<f64>,
+    ) {
+        for i in range.rev() {
             let mut rhs = self.rhs[i];
             if let Some(bias) = bias(i) {
                 rhs -= self.inertia[i].times(&bias);
@@ -337,13 +404,24 @@ impl Tree {
                 }
                 Elimination::Free(_) => continue,
             }
-            let parent = nodes[i].parent;
+            let parent = self.parent[i];
             if parent > 0 {
                 self.rhs[parent] += rhs.wrench_from(&places[i].offset);
             }
         }
-        for i in 1..nodes.len() {
-            let carried = self.twist[nodes[i].parent].twist_at(&places[i].offset);
+    }
+
+    /// The sweep of some nodes away from the root, which finds their twists and the wrenches in their joints.
+    #[inline(always)]
+    fn substitute(
+        &mut self,
+        places: &[Place],
+        range: Range<usize>,
+        bias: &impl Fn(usize) -> Option<Twist>,
+        solution: &mut impl FnMut(usize, &Twist, Wrench),
+    ) {
+        for i in range {
+            let carried = self.twist[self.parent[i]].twist_at(&places[i].offset);
             let mut v = bias(i).map_or(carried, |bias| carried + bias);
             match &self.elimination[i] {
                 Elimination::Hinge { n, u, d_inverse } => {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Failure, Rattle};
+use super::{Failure, Gravity, Rattle, kick_joint};
 use crate::variational::bonds::Trying;
 use crate::variational::joints::Moved;
 use crate::variational::newton::{Tried, turning_inertia};
@@ -10,35 +10,43 @@ use crate::variational::spatial::{Twist, Wrench};
 use crate::variational::tree::{Singular, Tree};
 
 impl Rattle {
-    /// (3): one round of the chord iteration.
+    /// (3): one round of the chord iteration, and (1) with what it finds.
     pub(super) fn correct(&mut self, h: f64) {
-        let Some(mut loops) = self.loops.take() else {
-            if self.light.is_empty() {
-                self.correct_tree(|_, _| ());
-            } else {
-                self.correct_loaded(h);
+        if let Some(mut loops) = self.loops.take() {
+            let twist = loops.first_pass();
+            self.correct_tree(None, |i, v| twist[i] = *v);
+            let (tree, wrench) = (self.implicit.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
+            loops.correct(h, tree, &self.nodes, &self.places, |i, f| wrench[i] += f);
+            self.loops = Some(loops);
+        } else if self.light.is_empty() {
+            let gravity = self.carried.is_none().then(|| self.first_kick(h));
+            let kicked = gravity.is_some();
+            self.correct_tree(gravity, |_, _| ());
+            if kicked {
+                return;
             }
-            return;
-        };
-        let twist = loops.first_pass();
-        self.correct_tree(|i, v| twist[i] = *v);
-        let (tree, wrench) = (self.implicit.as_mut().unwrap_or(&mut self.tree), &mut self.wrench);
-        loops.correct(h, tree, &self.nodes, &self.places, |i, f| wrench[i] += f);
-        self.loops = Some(loops);
+        } else {
+            self.correct_loaded(h);
+        }
+        self.kick(h);
     }
 
-    /// The part of it that the tree does alone; `twist(i, v)` gets the twists at the joint points.
-    fn correct_tree(&mut self, mut twist: impl FnMut(usize, &Twist)) {
-        let (bias, along, wrench) = (&self.bias, &self.along, &mut self.wrench);
+    /// The part of it that the tree does alone, with (1) where `gravity` is given; `twist(i, v)` gets the twists at the joint points.
+    fn correct_tree(&mut self, gravity: Option<Gravity>, mut twist: impl FnMut(usize, &Twist)) {
+        let (nodes, places, bias, along) = (&self.nodes, &self.places, &self.bias, &self.along);
+        let (wrench, trial) = (&mut self.wrench, &mut self.trial);
         let add = |i: usize, v: &Twist, f: Wrench| {
             wrench[i] += f;
+            if let Some(gravity) = &gravity {
+                kick_joint(trial, nodes, places, i, gravity, &wrench[i]);
+            }
             twist(i, v);
         };
         let tree = self.implicit.as_mut().unwrap_or(&mut self.tree);
         if self.forces.is_empty() {
-            tree.correct(&self.nodes, &self.places, |i| bias[i], |_| Vector3::zeros(), add);
+            tree.correct(nodes, places, |i| bias[i], |_| Vector3::zeros(), add);
         } else {
-            tree.correct(&self.nodes, &self.places, |i| bias[i], |i| along[i], add);
+            tree.correct(nodes, places, |i| bias[i], |i| along[i], add);
         }
     }
 

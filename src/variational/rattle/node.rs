@@ -29,6 +29,7 @@ impl Rattle {
             loops.copy_from(from);
         }
         (self.time, self.rounds) = (other.time, other.rounds);
+        self.place_joints();
         self.factorise(0.0)
     }
 

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::Rattle;
 use crate::variational::fault::{Fault, LOOSE};
 use crate::variational::forces::JointForce;
+use crate::variational::joints::Motion;
 use crate::variational::spatial::Spatial;
 
 impl Rattle {
@@ -39,11 +40,13 @@ impl Rattle {
         }
     }
 
-    /// [`Fault::DroppedMultiplier`]: takes one force component of the first joint out of the momenta. In the second half
-    /// kick it would not show: the next step's multipliers would make up for it.
+    /// [`Fault::DroppedMultiplier`]: takes one force component of the first joint out of the momenta, with its moment at the start
+    /// of the step. With that at the end it would not show: the next step's multipliers would make up for it.
     fn drop_multiplier(&mut self) {
-        let (place, axis) = (&self.places[1], self.pose[1].r.column(0).into_owned());
-        let lost = Spatial::new(-axis * axis.dot(&self.wrench[1].linear), Vector3::zeros()).wrench_from(&place.arm);
+        let (arm, axis) = (self.places[1].arm, self.pose[1].r.column(0).into_owned());
+        let back = Motion { s: -self.trial[1].motion.s, ..Motion::NONE };
+        let at_start = arm + back.turned(&arm);
+        let lost = Spatial::new(-axis * axis.dot(&self.wrench[1].linear), Vector3::zeros()).wrench_from(&at_start);
         self.bodies[1].p.add(&lost.linear);
         self.bodies[1].pi.add(&lost.angular);
     }

@@ -132,7 +132,7 @@ pub fn settings_of(engines: &[Spec], quick: bool) -> Vec<Setting> {
         same(ALL, spec).or_else(|| ALL.iter().find(|(text, _)| text.split(':').next() == Some(spec.entry().name)))
     };
     let counts = |spec: &Spec| match listed(spec) {
-        _ if has_tolerance(spec) => READ,
+        _ if chooses_steps(spec) => READ,
         Some((_, counts)) if quick => {
             if let Some((_, counts)) = same(QUICK, spec) {
                 counts
@@ -149,8 +149,8 @@ pub fn settings_of(engines: &[Spec], quick: bool) -> Vec<Setting> {
     engines.iter().map(|spec| Setting { engine: spec.clone(), counts: counts(spec) }).collect()
 }
 
-/// Whether an engine chooses its own steps.
-fn has_tolerance(spec: &Spec) -> bool {
+/// Whether an engine chooses its own steps, by a tolerance: its state is then read at the steps of a run.
+pub fn chooses_steps(spec: &Spec) -> bool {
     spec.entry().keys.iter().map(|key: &Key| key.name()).any(|name| name == "tolerance")
 }
 

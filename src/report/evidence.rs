@@ -6,11 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::expectation::{Expectation, expectations, over_long_times};
 use super::front;
 use super::record::Run;
+use crate::engines::Spec;
 use crate::measure::accuracy::Accuracy as MeasuredAccuracy;
 use crate::measure::clock;
 use crate::measure::convergence::{self, Verdict};
 use crate::measure::parity::Parity as MeasuredParity;
 use crate::measure::study::{Findings, Sweep as MeasuredSweep};
+use crate::measure::sweep::chooses_steps;
 use crate::measure::truth::Truth;
 use crate::mechanics::System;
 
@@ -227,9 +229,11 @@ impl Sweep {
     }
 }
 
-/// For every engine that was run at several steps.
+/// For every engine that was run at several steps and takes them.
 fn convergence(runs: &[Run], roundoff: f64) -> Vec<Convergence> {
+    let takes_them = |run: &Run| !Spec::parse(&run.engine).is_ok_and(|spec| chooses_steps(&spec));
     runs.chunk_by(|a, b| a.engine == b.engine)
+        .filter(|runs| takes_them(&runs[0]))
         .filter_map(|runs| {
             let points: Vec<(f64, f64)> = runs.iter().filter_map(|r| Some((r.step_s, front::error(r)?))).collect();
             let found = convergence::judge(&points, roundoff)?;

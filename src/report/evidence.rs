@@ -229,11 +229,11 @@ impl Sweep {
     }
 }
 
-/// For every engine that was run at several steps and takes them.
+/// For every engine that was run at several step sizes. One that chooses its own has none.
 fn convergence(runs: &[Run], roundoff: f64) -> Vec<Convergence> {
-    let takes_them = |run: &Run| !Spec::parse(&run.engine).is_ok_and(|spec| chooses_steps(&spec));
+    let fixed_steps = |run: &Run| !Spec::parse(&run.engine).is_ok_and(|spec| chooses_steps(&spec));
     runs.chunk_by(|a, b| a.engine == b.engine)
-        .filter(|runs| takes_them(&runs[0]))
+        .filter(|runs| fixed_steps(&runs[0]))
         .filter_map(|runs| {
             let points: Vec<(f64, f64)> = runs.iter().filter_map(|r| Some((r.step_s, front::error(r)?))).collect();
             let found = convergence::judge(&points, roundoff)?;

@@ -88,7 +88,7 @@ impl Rattle {
             if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
                 return Err(place.failure(rounds, residual));
             }
-            if tail.is_none() && !(whole || last_round || rounds == 0) {
+            if tail.is_none() && !(whole || exact || last_round || rounds == 0) {
                 tail = self.settled_tail(roundoff);
             }
             if let Some(waiting) = &mut tail {

@@ -27,6 +27,7 @@
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
 mod correct;
+mod decline;
 mod energy;
 mod failure;
 mod faults;
@@ -141,6 +142,8 @@ pub struct Rattle {
     /// A planted fault, and the impulses that it carries over.
     fault: Option<Fault>,
     carried: Option<Vec<Wrench>>,
+    /// What a round of the iteration left of a residual when that was last seen, over the step, 1/s.
+    contraction: f64,
     /// Rounds of the constraint iteration since the start.
     rounds: u64,
 }
@@ -200,6 +203,7 @@ impl Rattle {
             tolerance: 0.0,
             fault: None,
             carried: None,
+            contraction: f64::INFINITY,
             rounds: 0,
             nodes,
         };

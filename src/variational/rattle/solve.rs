@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::decline::Decline;
 use super::failure::Open;
 use super::leaps::KICKED;
 use super::tail::Tail;
@@ -14,13 +15,9 @@ use crate::variational::spatial::Spatial;
 /// Rounds of the chord iteration after which a step is given up.
 pub(in crate::variational) const MOST_ROUNDS: usize = 60;
 
-/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions. That is estimated
-/// for the thinnest axes, and what is left has the same sign for many steps.
-const NEGLIGIBLE: f64 = 1e-4;
-
-/// Or, on a tree, with the correction of a residual that is this part of roundoff. A linkage, which repeats its motion, lost
-/// 2.2e-20 of its energy scale a solve by that on average; with [`NEGLIGIBLE`] alone it loses at most 1.3e-21.
-const SETTLED: f64 = 0.3;
+/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions; in a linkage, whose
+/// roundoff is estimated higher, the other: with the first the energy of a four-bar grows by 3.5e-21 of its scale a solve.
+const NEGLIGIBLE: (f64, f64) = (1e-4, 1e-6);
 
 impl Rattle {
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
@@ -57,7 +54,8 @@ impl Rattle {
 
     /// The chord iteration, down to roundoff; `kicked` is the bound of [`Rattle::refuse_leap`].
     fn iterate(&mut self, h: f64, kicked: f64) -> Result<(), Failure> {
-        let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
+        let (mut decline, mut rounds, mut exact) = (Decline::new(self.contraction * h.abs()), 0, false);
+        let negligible = if self.loops.is_none() { NEGLIGIBLE.0 } else { NEGLIGIBLE.1 };
         // Where the joints of a long chain have closed but for those near its base, the others wait; see `tail`.
         let (mut tail, mut whole): (Option<Tail>, bool) = (None, !self.may_wait());
         self.start_light(h);
@@ -74,18 +72,16 @@ impl Rattle {
                 let body = if let Open::Joint(body) = place { body } else { 0 };
                 return Err(Failure::NotFinite { body });
             }
-            // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
-            let near = if exact { 1e4 } else { 64.0 };
-            let stagnant = residual > 0.3 * last && residual <= near * roundoff;
-            let closed = stagnant || residual <= self.tolerance;
-            if closed && tail.is_none() {
+            if residual <= self.tolerance && tail.is_none() {
                 return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
             }
-            // What a residual at roundoff leaves out has the same sign for many steps: the energy drifts unless it is corrected.
-            let contraction = if rounds == 0 { 1.0 } else { residual / last };
-            let last_round = self.is_last(residual, contraction, roundoff);
-            let slow = residual > 0.2 * last;
-            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
+            decline.follow(residual, roundoff, exact);
+            if let Some(rate) = decline.seen().filter(|_| !exact) {
+                self.contraction = rate / h.abs();
+            }
+            let last_round = decline.ends(negligible * roundoff);
+            let halts = exact && rounds > 8 && decline.left_more_than(0.9);
+            if halts || rounds >= MOST_ROUNDS && !decline.hidden() {
                 return Err(place.failure(rounds, residual));
             }
             if tail.is_none() && !(whole || exact || last_round || rounds == 0) {
@@ -94,21 +90,20 @@ impl Rattle {
             if let Some(waiting) = &mut tail {
                 (rounds, self.rounds) = (rounds + 1, self.rounds + 1);
                 let rests = self.still_settled(waiting, h, roundoff);
-                if rests && (last_round || closed) {
+                if rests && (last_round || residual <= self.tolerance) {
                     self.correct_all(waiting, h);
                     return self.drift(h);
                 }
-                if !rests || residual > 0.3 * last {
+                if !rests || decline.left_more_than(0.3) {
                     self.correct_all(waiting, h);
-                    last = residual.max(waiting.residual);
+                    decline.join(waiting.residual);
                     (tail, whole) = (None, true);
                 } else {
                     self.correct_head(waiting, h);
-                    last = residual;
                 }
                 continue;
             }
-            exact |= slow && rounds >= 3;
+            exact |= rounds >= 3 && decline.left_more_than(0.2);
             if exact {
                 // A block that has no inverse there says nothing about the system, only that the step is too long.
                 self.relinearise_and_correct(h).map_err(|_| place.failure(rounds, residual))?;
@@ -116,8 +111,7 @@ impl Rattle {
             } else {
                 self.correct(h);
             }
-            (last, rounds) = (residual, rounds + 1);
-            self.rounds += 1;
+            (rounds, self.rounds) = (rounds + 1, self.rounds + 1);
             if last_round {
                 // Springs, drives and loops keep what they measured for the second half kick.
                 if self.forces.is_empty() {
@@ -129,12 +123,6 @@ impl Rattle {
                 return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
             }
         }
-    }
-
-    /// Whether the correction of a residual is the last: it is at roundoff, or what it is predicted to leave is negligible.
-    pub(super) fn is_last(&self, residual: f64, contraction: f64, roundoff: f64) -> bool {
-        let settled = self.loops.is_none() && residual <= SETTLED * roundoff;
-        settled || residual * contraction <= NEGLIGIBLE * roundoff
     }
 
     /// Gravity in the first half kick.

@@ -142,8 +142,9 @@ fn attitudes_do_not_run_ahead_of_positions() {
             count += 1.0;
         }
     }
-    // measured 4.1e-19 m; 6.9e-17 with the attitude turned in body axes and the factors of a turn rounded next to 1
-    assert!((ahead / count).abs() <= 1.2e-18, "{:e}", ahead / count);
+    // measured 8.8e-18 m at most in 12 starts, on average -5e-19 +- 1.2e-18; 6.9e-17 with the attitude turned in body axes and the
+    // factors of a turn rounded next to 1
+    assert!((ahead / count).abs() <= 2.5e-17, "{:e}", ahead / count);
 }
 
 /// `cargo test --release --test brouwer -- --ignored --nocapture` takes about ten minutes for the chain, fifteen for the linkage.

@@ -85,8 +85,8 @@ fn cost(runs: &[Run], reference_error: f64, engine: &str, most: f64) -> Option<E
     Some(Expectation { expected, holds, found })
 }
 
-/// Why a method of fixed steps can cost more than an explicit one of variable steps: what it takes a simulated second, as
-/// measured, and what the two methods do.
+/// Why a method can cost more than an explicit one of variable steps: what it takes a simulated second, as measured, and what
+/// the two methods do.
 fn reason(run: &Run) -> String {
     let steps = plain(1.0 / run.step_s, 4);
     let micros = |parts: usize| plain(run.time.as_ref().map_or(0.0, |t| t.us_per_step) / parts as f64, 2);
@@ -97,6 +97,9 @@ fn reason(run: &Run) -> String {
              each to roundoff in {} µs",
             micros(1)
         ),
+        _ if run.engine.contains("step=adaptive") => {
+            "its steps fit the motion too, but are of order 2 and solve the joints to roundoff".to_string()
+        }
         Some(c) => format!(
             "each of its {steps} steps a simulated second is {} steps of order 2, which solve the joints to roundoff in {} µs each",
             c.stages(),

@@ -12,7 +12,7 @@ use crate::measure::convergence::Verdict;
 
 pub const CHART: Chart = Chart {
     file: "convergence.png",
-    caption: "Joint position error against step size for every engine, with the fitted order or the floor at each line",
+    caption: "Joint position error against step size for every engine of fixed steps, with the fitted order or the floor at each line",
     draw,
 };
 

@@ -25,21 +25,33 @@ pub(super) struct Decline {
     /// What the last one is without roundoff, m.
     left: f64,
     /// The part of it that a round leaves.
-    rate: f64,
+    pub rate: f64,
+    /// Whether that was seen in this step, above roundoff.
+    seen: bool,
     hidden: bool,
+    /// The estimate of the roundoff, m.
+    roundoff: f64,
 }
 
 impl Decline {
     /// `rate` is a guess, used where nothing better is seen.
     pub(super) fn new(rate: f64) -> Decline {
         let none = f64::INFINITY;
-        Decline { measured: none, before: none, left: none, rate: rate.min(SLOWEST), hidden: false }
+        Decline {
+            measured: none,
+            before: none,
+            left: none,
+            rate: rate.min(SLOWEST),
+            seen: false,
+            hidden: false,
+            roundoff: 0.0,
+        }
     }
 
     /// Takes in the residual of another round.
     pub(super) fn follow(&mut self, measured: f64, roundoff: f64, exact: bool) {
-        let seen = self.measured.is_finite() && !self.hidden;
-        let rate = if seen { (measured / self.measured).min(SLOWEST) } else { self.rate };
+        let falls = self.measured.is_finite() && !self.hidden;
+        let rate = if falls { (measured / self.measured).min(SLOWEST) } else { self.rate };
         let near = if exact { STAGNANT.1 } else { STAGNANT.0 };
         let stagnant = (self.hidden || measured > 0.5 * self.measured) && measured <= near * roundoff;
         self.hidden = measured <= HIDDEN * roundoff || stagnant;
@@ -49,13 +61,19 @@ impl Decline {
             self.left = measured.min(self.rate * self.left);
         } else {
             (self.rate, self.left) = (rate, measured);
+            self.seen |= falls;
         }
-        (self.before, self.measured) = (self.measured, measured);
+        (self.before, self.measured, self.roundoff) = (self.measured, measured, roundoff);
     }
 
-    /// The rate, where it is not that of an earlier step or of roundoff.
-    pub(super) fn seen(&self) -> Option<f64> {
-        (!self.hidden && self.before.is_finite()).then_some(self.rate)
+    /// Whether the rate is one of this step, seen above roundoff.
+    pub(super) fn seen(&self) -> bool {
+        self.seen
+    }
+
+    /// Whether the next residual may be one of roundoff.
+    pub(super) fn may_end(&self) -> bool {
+        self.rate * self.left <= 10.0 * HIDDEN * self.roundoff
     }
 
     /// Takes in what another part of the system has left.

@@ -73,7 +73,7 @@ impl Decline {
 
     /// Whether the next residual may be one of roundoff.
     pub(super) fn may_end(&self) -> bool {
-        self.rate * self.left <= 10.0 * HIDDEN * self.roundoff
+        self.rate * self.left <= HIDDEN * self.roundoff
     }
 
     /// Takes in what another part of the system has left.

@@ -69,7 +69,7 @@ impl Rattle {
 
     /// (5) once more, of what roundoff has left. Its impulses are differences of momenta, and what is lost in them is a misfit of the twists
     /// with one sign, on which the next step's joint forces do work: a chain of three links lost 2.7e-22 +- 4.5e-23 of its energy
-    /// scale a solve of order 8 at 2 ms; so it is -8e-23 +- 4.5e-23.
+    /// scale a solve of order 8 at 2 ms; so it is -7.5e-23 +- 4.5e-23.
     fn refine_projection(&mut self) {
         let none = Gravity { time: 0.0, field: self.gravity };
         if let Some(loops) = &mut self.loops {

@@ -15,10 +15,11 @@ use crate::variational::spatial::Spatial;
 /// Rounds of the chord iteration after which a step is given up.
 pub(in crate::variational) const MOST_ROUNDS: usize = 60;
 
-/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions. What is left has the same
-/// sign for many steps. In turn: in a tree; there, where nothing was seen of how fast it contracts but that roundoff was
-/// reached, which bounds that from above; in a linkage, whose roundoff is estimated higher.
-const NEGLIGIBLE: (f64, f64, f64) = (1e-5, 1e-4, 1e-6);
+/// The iteration ends with a correction that is predicted to leave this part of the roundoff of the motions; in a tree where nothing was
+/// seen of how fast it contracts but that roundoff was reached, which bounds that from above, the other. What is left has the same sign
+/// for many steps: a chain of three links lost 4.0e-22 +- 4e-23 of its energy scale a solve of order 8 at 2 ms with the second for
+/// both, and no less with 1e-5.
+const NEGLIGIBLE: (f64, f64) = (1e-6, 1e-4);
 
 impl Rattle {
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
@@ -79,11 +80,7 @@ impl Rattle {
             if decline.seen() && !exact {
                 self.contraction = decline.rate / h.abs();
             }
-            let negligible = match (&self.loops, decline.seen()) {
-                (None, true) => NEGLIGIBLE.0,
-                (None, false) => NEGLIGIBLE.1,
-                (Some(_), _) => NEGLIGIBLE.2,
-            };
+            let negligible = if decline.seen() || self.loops.is_some() { NEGLIGIBLE.0 } else { NEGLIGIBLE.1 };
             let last_round = decline.ends(negligible * roundoff);
             let halts = exact && rounds > 8 && decline.left_more_than(0.9);
             if halts || rounds >= MOST_ROUNDS && !decline.hidden() {

@@ -11,6 +11,10 @@ use crate::variational::method::Method;
 use crate::variational::spatial::{Spatial, Wrench};
 use crate::variational::tree::Singular;
 
+/// Nodes of a system whose projection is refined. The motion of longer chains is too violent for what that mends to be seen, and
+/// there the passes over memory cost most.
+const MOST_REFINED: usize = 27;
+
 impl Rattle {
     /// Places all joints in the present configuration.
     pub(super) fn place_joints(&mut self) {
@@ -55,7 +59,8 @@ impl Rattle {
         }
         self.project_light();
         self.add_kicks();
-        if second && self.forces.is_empty() && self.light.is_empty() {
+        let short = self.nodes.len() <= MOST_REFINED;
+        if short && second && self.forces.is_empty() && self.light.is_empty() {
             self.refine_projection();
         }
     }

@@ -51,8 +51,8 @@ fn a_thousand_adaptive_steps_and_back_return_to_the_start() {
         adaptive.write_node(&mut state);
         let (missed, late) = (distance(&state, &system.initial), adaptive.node_time());
         println!("steps {shortest:.1e} to {longest:.1e}, missed by {missed:.1e}, {late:.1e} s");
-        // measured 2.4e-11 and 1.6e-11; at most 1.1e-10 and 2.0e-11 with gravity changed by 0.1 % to 4 %
-        assert!(missed <= 2.5e-10 && late.abs() <= 5e-11);
+        // measured at most 5.4e-11 and 5.2e-12
+        assert!(missed <= 1.5e-10 && late.abs() <= 1.5e-11);
     }
 }
 

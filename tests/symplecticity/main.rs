@@ -141,8 +141,8 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
             // measured at most 1.1e-9 (chain_10)
             assert!(d.error <= 2.5e-9, "{}: {d:?}", system.name);
         }
-        // measured 97 to 5.2e2 (pendulum, whose estimated error is 7e-13 to 4e-12 by chance) and up to 1.3e6 (chain_10)
-        assert!(runge_kutta.defect >= 40.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
+        // measured 5.2e2 (pendulum) to 1.3e6 (chain_10)
+        assert!(runge_kutta.defect >= 200.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
     }
 }
 

@@ -11,10 +11,6 @@ use crate::variational::method::Method;
 use crate::variational::spatial::{Spatial, Wrench};
 use crate::variational::tree::Singular;
 
-/// Nodes of a system whose projection is refined. The motion of longer chains is too violent for what that mends to be seen, and
-/// there the passes over memory cost most.
-const MOST_REFINED: usize = 27;
-
 impl Rattle {
     /// Places all joints in the present configuration.
     pub(super) fn place_joints(&mut self) {
@@ -58,36 +54,10 @@ impl Rattle {
             self.project_parts(h, part, second);
         }
         self.project_light();
-        self.add_kicks();
-        let short = self.nodes.len() <= MOST_REFINED;
-        if short && second && self.forces.is_empty() && self.light.is_empty() {
-            self.refine_projection();
-        }
-    }
-
-    fn add_kicks(&mut self) {
         for (body, trial) in self.bodies.iter_mut().zip(&self.trial).skip(1) {
             body.p.add(&trial.kick.linear);
             body.pi.add(&trial.kick.angular);
         }
-    }
-
-    /// (5) once more, of what roundoff has left. Its impulses are differences of momenta, and what is lost in them is a misfit of the twists
-    /// with one sign, on which the next step's joint forces do work: a chain of three links lost 2.7e-22 +- 4.5e-23 of its energy
-    /// scale a solve of order 8 at 2 ms; so it is -7.5e-23 +- 4.5e-23.
-    fn refine_projection(&mut self) {
-        let none = Gravity { time: 0.0, field: self.gravity };
-        if let Some(loops) = &mut self.loops {
-            let (bodies, trial) = (&self.bodies, &mut self.trial);
-            trial.iter_mut().for_each(|trial| trial.kick = Spatial::ZERO);
-            let first = loops.first_pass();
-            let momentum = |i: usize| Spatial::new(bodies[i].p.value, bodies[i].pi.value);
-            self.tree.project(&self.nodes, &self.places, momentum, |i, v, _| first[i] = *v);
-            loops.project(&self.places, |i, impulse| trial[i].kick += impulse);
-            self.add_kicks();
-        }
-        self.project_joints(&none);
-        self.add_kicks();
     }
 
     /// Where there is nothing but gravity and the joints of a tree.

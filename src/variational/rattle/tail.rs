@@ -56,11 +56,6 @@ pub(super) struct Tail {
     missed: Twist,
 }
 
-/// Whether the correction of a tail is its last: it is at roundoff, or what it is predicted to leave is negligible.
-fn settles(residual: f64, contraction: f64, roundoff: f64) -> bool {
-    residual <= 0.3 * roundoff || residual * contraction <= 1e-2 * roundoff
-}
-
 impl Rattle {
     /// Whether parts of the system may wait for others: a tree with nothing but gravity.
     pub(super) fn may_wait(&self) -> bool {
@@ -73,7 +68,7 @@ impl Rattle {
         let (mut residual, mut last, mut longest) = (0.0_f64, 0.0_f64, None);
         for i in (2..now.len()).rev() {
             (residual, last) = (residual.max(now[i]), last.max(before[i]));
-            if settles(residual, residual / last, roundoff) {
+            if self.is_last(residual, residual / last, roundoff) {
                 longest = Some(i);
             }
         }
@@ -84,7 +79,7 @@ impl Rattle {
         let most = |open: &[f64]| open[first..].iter().fold(0.0, |most: f64, open| most.max(*open));
         let residual = most(now);
         let contraction = residual / most(before);
-        settles(residual, contraction, roundoff).then(|| Tail {
+        self.is_last(residual, contraction, roundoff).then(|| Tail {
             first,
             residual,
             contraction,
@@ -98,7 +93,7 @@ impl Rattle {
     pub(super) fn still_settled(&self, tail: &Tail, h: f64, roundoff: f64) -> bool {
         let missed = tail.missed.twist_at(&self.places[tail.first].offset);
         let carried = h.abs() * (missed.linear.norm() + self.length * missed.angular.norm());
-        settles(tail.residual + carried, tail.contraction, roundoff.max(tail.roundoff))
+        self.is_last(tail.residual + carried, tail.contraction, roundoff.max(tail.roundoff))
     }
 
     /// One round of the chord iteration on the nodes before a tail, and (1) for them.

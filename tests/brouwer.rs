@@ -54,7 +54,7 @@ fn four_bar(run: usize) -> System {
 fn errors(system: &System, solves: usize, tolerance: f64) -> Result<Vec<(f64, f64)>, Failure> {
     let weights: Vec<f64> = composition::ORDER_8.weights().map(|w| w * STEP).collect();
     let steps = solves / weights.len();
-    let mut rattle = Rattle::new(system).unwrap().with_tolerance(tolerance);
+    let mut rattle = Rattle::new(system).unwrap().with_unbiased_roundoff().with_tolerance(tolerance);
     let mut state = system.initial.clone();
     let start = energy::energy(system, &state).total();
     let marks: Vec<usize> = (0..6).rev().map(|k| steps >> k).collect();
@@ -112,6 +112,41 @@ fn roundoff_leaves_a_random_walk_on_a_linkage() {
     assert!(!is_a_random_walk(&ensemble(four_bar, 30_000, 1e-8), 1.5e-15));
 }
 
+/// The shipped rod, which goes round at 12 rad/s below and 5 rad/s above, each time with a little more gravity.
+fn spinning_pendulum(run: usize) -> System {
+    let mut scene = Scene::load(format!("{}/models/pendulum/scene.json", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    scene.initial[0].velocity = vec![12.0];
+    scene.gravity *= 1.0 + 1e-3 * run as f64;
+    compile(&scene)
+}
+
+/// Attitude and position of a body are sums of their own. Where the increments of one are rounded with a bias, it runs away
+/// from the other, as far as the mismatch is taken back, and the energy drifts. The mismatch is noise of 1e-16 m, so it is its mean
+/// that tells.
+#[test]
+fn attitudes_do_not_run_ahead_of_positions() {
+    let system = spinning_pendulum(0);
+    let arm = system.bodies[0].joint.in_child.translation.vector;
+    let weights: Vec<f64> = composition::ORDER_8.weights().map(|w| w * 8e-3).collect();
+    let (mut rattle, mut state) = (Rattle::new(&system).unwrap().with_unbiased_roundoff(), system.initial.clone());
+    let (mut ahead, mut count, steps) = (0.0, 0.0, 60_000);
+    for step in 0..steps {
+        weights.iter().for_each(|w| rattle.step(*w).unwrap());
+        // 100 000 solves until what is taken back balances what runs away.
+        if step > steps / 10 {
+            rattle.write_state(&mut state);
+            let body = &state.bodies[0];
+            let arm = body.attitude * arm;
+            let across = body.angular_velocity.cross(&arm).normalize();
+            ahead += across.dot(&(body.position + arm));
+            count += 1.0;
+        }
+    }
+    // measured 8.8e-18 m at most in 12 starts, on average -5e-19 +- 1.2e-18; 6.9e-17 with the attitude turned in body axes and the
+    // factors of a turn rounded next to 1
+    assert!((ahead / count).abs() <= 2.5e-17, "{:e}", ahead / count);
+}
+
 /// `cargo test --release --test brouwer -- --ignored --nocapture` takes about ten minutes for the chain, fifteen for the linkage.
 #[test]
 #[ignore = "takes minutes"]
@@ -125,4 +160,10 @@ fn ten_million_solves_leave_a_random_walk() {
 fn ten_million_solves_of_a_linkage_leave_a_random_walk() {
     assert!(is_a_random_walk(&ensemble(four_bar, 10_000_000, 0.0), 1e-13));
     assert!(!is_a_random_walk(&ensemble(four_bar, 1_000_000, 1e-8), 1e-13));
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn ten_million_solves_of_a_spinning_pendulum_leave_a_random_walk() {
+    assert!(is_a_random_walk(&ensemble(spinning_pendulum, 10_000_000, 0.0), 1e-13));
 }

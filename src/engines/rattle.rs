@@ -45,7 +45,10 @@ fn engine(spec: &Spec, system: &System, step: f64) -> Result<RattleEngine, Unsup
     fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
     steps_fit(spec, composition.stages() > 1, system).map_err(unsupported)?;
     energy_fits(spec, composition.stages() > 1, system).map_err(unsupported)?;
-    let core = core(spec, system, step).map_err(unsupported)?;
+    let core = match core(spec, system, step).map_err(unsupported)? {
+        Core::Rattle(rattle) if composition.reaches_roundoff() => Core::Rattle(rattle.with_unbiased_roundoff()),
+        core => core,
+    };
     Ok(RattleEngine {
         core,
         substeps: composition.weights().map(|w| w * step).collect(),

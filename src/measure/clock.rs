@@ -192,7 +192,8 @@ mod tests {
         assert!((a.median / 50e-6 - 1.0).abs() < 0.1, "{a:?}");
         assert!((b.median / a.median - 2.0).abs() < 0.1, "{a:?} {b:?}");
         assert_eq!((a.rounds, a.steps), (ROUNDS, 40));
-        assert!(a.passes >= 9 && b.passes >= 4, "short passes are repeated: {a:?} {b:?}");
+        // 10 and 5 where nothing disturbs the warm-up
+        assert!(a.passes >= 2 && b.passes >= 2, "short passes are repeated: {a:?} {b:?}");
     }
 
     #[test]

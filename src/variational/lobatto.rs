@@ -31,7 +31,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use super::Failure;
 use super::attitude::{Attitude, MOST_ITERATIONS};
 use super::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
-use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, rotation_increment, world_inertia};
+use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
 use super::spatial::{Spatial, Twist, Wrench};
 use super::tableau::{MOST_STAGES, Tableau};
 use super::tree::{Singular, Tree};
@@ -176,8 +176,8 @@ impl Lobatto {
             body.p.add(&linear);
             body.pi.add(&(pose.r * angular));
             body.x.add(&dx);
-            body.q.add(&rotation_increment(&pose.q, &s));
-            body.q.add(&norm_defect(&body.q.value));
+            body.q.add(&(Quaternion::from(pose.q) * turn_less_one(&s)).coords);
+            body.q.add(&norm_defect(&body.q));
             *pose = Pose::new(&body.x, body.q.value);
         }
         self.factorise()?;

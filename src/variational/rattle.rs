@@ -27,6 +27,7 @@
 //! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
 
 mod correct;
+mod decline;
 mod energy;
 mod failure;
 mod faults;
@@ -138,9 +139,13 @@ pub struct Rattle {
     length: f64,
     /// The residual at which the constraint iteration may stop, m; 0 for roundoff.
     tolerance: f64,
+    /// Whether the iteration goes on below roundoff; see `decline`.
+    unbiased: bool,
     /// A planted fault, and the impulses that it carries over.
     fault: Option<Fault>,
     carried: Option<Vec<Wrench>>,
+    /// What a round of the iteration left of a residual when that was last seen, over the step, 1/s.
+    contraction: f64,
     /// Rounds of the constraint iteration since the start.
     rounds: u64,
 }
@@ -198,8 +203,10 @@ impl Rattle {
             time: Compensated::new(SVector::zeros()),
             length,
             tolerance: 0.0,
+            unbiased: false,
             fault: None,
             carried: None,
+            contraction: f64::INFINITY,
             rounds: 0,
             nodes,
         };
@@ -228,6 +235,12 @@ impl Rattle {
     /// That costs the long-time behaviour: the energy drifts by what the residuals leave out, always to the same side.
     pub fn with_tolerance(self, tolerance: f64) -> Rattle {
         Rattle { tolerance, ..self }
+    }
+
+    /// Goes on with the constraint iteration far below roundoff. What the last correction leaves has the same sign for many steps; where the
+    /// method errs less than roundoff does, as at high order, that is what the energy drifts by. It takes half as many rounds more.
+    pub fn with_unbiased_roundoff(self) -> Rattle {
+        Rattle { unbiased: true, ..self }
     }
 
     /// Takes one step of size `h` (s). After a failure the state is the one before the step.
@@ -259,8 +272,9 @@ impl Rattle {
                 body.p.add(&trial.kick.linear); // (1)
                 body.pi.add(&trial.kick.angular);
                 body.x.add(&trial.motion.dx); // (2)
-                body.q.add(&rotation_increment(&pose.q, &trial.s));
-                body.q.add(&norm_defect(&body.q.value));
+                // By the world vector with which the joints were measured: rounded apart from it, attitudes would leave positions behind.
+                body.q.add(&(turn_less_one(&trial.motion.s) * Quaternion::from(pose.q)).coords);
+                body.q.add(&norm_defect(&body.q));
                 *pose = Pose::new(&body.x, body.q.value);
             }
             self.place_block(block);
@@ -399,17 +413,26 @@ fn kick_joint(trial: &mut [Trial], nodes: &[Node], places: &[Place], i: usize, g
 
 /// What a quaternion lacks to have length one, to first order. A length off by roundoff scales the attitude matrix, and so all
 /// momenta in body axes, and wanders: order 8 on a double pendulum loses a factor 7 in energy over 170 000 steps to it.
+///
+/// The length is that of the whole sum and known far below roundoff. Rounding at 1 is finer below than above, and a defect
+/// measured so goes into the energy with one sign: a pendulum that spins at 12 rad/s lost 6e-21 of its scale a solve at 8 ms.
 #[inline(always)]
-pub(super) fn norm_defect(q: &Vector4<f64>) -> Vector4<f64> {
-    q * (0.5 * (1.0 - q.norm_squared()))
+pub(super) fn norm_defect(q: &Compensated<4>) -> Vector4<f64> {
+    // Adding and subtracting it leaves multiples of 2^-26, whose squares add up without rounding.
+    const COARSE: f64 = 1.5 * (1_u64 << 26) as f64;
+    let high = q.value.map(|component| (component + COARSE) - COARSE);
+    let low = q.value - high;
+    let excess = (high.norm_squared() - 1.0) + low.dot(&(2.0 * high + low)) + 2.0 * q.value.dot(q.rest());
+    q.value * (-0.5 * excess)
 }
 
-/// `q0 F(s) - q0`, without cancellation for small `s`: with `c = 1 / sqrt(1 + |s|^2)` the scalar part of `F - 1` is
-/// `c - 1 = -|s|^2 c^2 / (1 + c)`.
+/// The unit quaternion of `F(s)` less one, without cancellation for small `s`: with `c = 1 / sqrt(1 + |s|^2)` its scalar part is
+/// `c - 1 = -|s|^2 c^2 / (1 + c)` and its vector part `s + (c - 1) s`. The product `c s` would have the rounding of `c`, which below 1
+/// has one sign for small `s`.
 #[inline(always)]
-pub(super) fn rotation_increment(q0: &Vector4<f64>, s: &Vector3<f64>) -> Vector4<f64> {
+pub(super) fn turn_less_one(s: &Vector3<f64>) -> Quaternion<f64> {
     let square = s.norm_squared();
     let c = 1.0 / (1.0 + square).sqrt();
     let scalar = -square * c * c / (1.0 + c);
-    (Quaternion::from(*q0) * Quaternion::new(scalar, c * s.x, c * s.y, c * s.z)).coords
+    Quaternion::from_parts(scalar, s + scalar * s)
 }

@@ -28,7 +28,7 @@ impl Rattle {
         if let (Some(loops), Some(from)) = (&mut self.loops, &other.loops) {
             loops.copy_from(from);
         }
-        (self.time, self.rounds) = (other.time, other.rounds);
+        (self.time, self.rounds, self.contraction) = (other.time, other.rounds, other.contraction);
         self.place_joints();
         self.factorise(0.0)
     }

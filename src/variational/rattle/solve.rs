@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::decline::Decline;
 use super::failure::Open;
 use super::leaps::KICKED;
 use super::tail::Tail;
@@ -21,6 +22,12 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// Or, on a tree, with the correction of a residual that is this part of roundoff. A linkage, which repeats its motion, lost
 /// 2.2e-20 of its energy scale a solve by that on average; with [`NEGLIGIBLE`] alone it loses at most 1.3e-21.
 const SETTLED: f64 = 0.3;
+
+/// Stagnation is one of roundoff where the residual is at most so many times the estimate of it. The exact linearisation stops contracting
+/// at roundoff only, wherever the estimate puts that.
+pub(super) fn stagnation(exact: bool) -> f64 {
+    if exact { 1e4 } else { 64.0 }
+}
 
 impl Rattle {
     /// Finds the wrenches with which the joints hold at the end of the drift: (1) to (3).
@@ -58,6 +65,7 @@ impl Rattle {
     /// The chord iteration, down to roundoff; `kicked` is the bound of [`Rattle::refuse_leap`].
     fn iterate(&mut self, h: f64, kicked: f64) -> Result<(), Failure> {
         let (mut last, mut rounds, mut exact) = (f64::INFINITY, 0, false);
+        let mut decline = self.unbiased.then(|| Decline::new(self.contraction * h.abs()));
         // Where the joints of a long chain have closed but for those near its base, the others wait; see `tail`.
         let (mut tail, mut whole): (Option<Tail>, bool) = (None, !self.may_wait());
         self.start_light(h);
@@ -74,18 +82,27 @@ impl Rattle {
                 let body = if let Open::Joint(body) = place { body } else { 0 };
                 return Err(Failure::NotFinite { body });
             }
-            // The exact linearisation stops contracting at roundoff only, wherever the estimate of it puts that.
-            let near = if exact { 1e4 } else { 64.0 };
-            let stagnant = residual > 0.3 * last && residual <= near * roundoff;
-            let closed = stagnant || residual <= self.tolerance;
+            let (closed, last_round, hidden) = match &mut decline {
+                Some(decline) => {
+                    decline.follow(residual, roundoff, exact);
+                    if let Some(rate) = decline.seen().filter(|_| !exact) {
+                        self.contraction = rate / h.abs();
+                    }
+                    let ends = decline.ends() || (decline.hidden() && rounds + 1 >= MOST_ROUNDS);
+                    (residual <= self.tolerance, ends, decline.hidden())
+                }
+                None => {
+                    let stagnant = residual > 0.3 * last && residual <= stagnation(exact) * roundoff;
+                    // What a residual at roundoff leaves out has the same sign for many steps: the energy drifts unless it is corrected.
+                    let contraction = if rounds == 0 { 1.0 } else { residual / last };
+                    (stagnant || residual <= self.tolerance, self.is_last(residual, contraction, roundoff), false)
+                }
+            };
             if closed && tail.is_none() {
                 return self.refuse_false_solutions(h, rounds, exact.then_some(kicked));
             }
-            // What a residual at roundoff leaves out has the same sign for many steps: the energy drifts unless it is corrected.
-            let contraction = if rounds == 0 { 1.0 } else { residual / last };
-            let last_round = self.is_last(residual, contraction, roundoff);
-            let slow = residual > 0.2 * last;
-            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last) {
+            let slow = residual > 0.2 * last && !hidden;
+            if rounds == MOST_ROUNDS || (exact && rounds > 8 && residual > 0.9 * last && !hidden) {
                 return Err(place.failure(rounds, residual));
             }
             if tail.is_none() && !(whole || exact || last_round || rounds == 0) {

@@ -57,9 +57,13 @@ pub(super) struct Tail {
 }
 
 impl Rattle {
-    /// Whether parts of the system may wait for others: a tree with nothing but gravity.
+    /// Whether parts of the system may wait for others: a tree with nothing but gravity, and rounds that end at roundoff.
     pub(super) fn may_wait(&self) -> bool {
-        self.loops.is_none() && self.forces.is_empty() && self.light.is_empty() && self.carried.is_none()
+        !self.unbiased
+            && self.loops.is_none()
+            && self.forces.is_empty()
+            && self.light.is_empty()
+            && self.carried.is_none()
     }
 
     /// A tail whose next correction is its last, where there is one of at least half of the nodes: [`MARGIN`] shorter than the longest.

@@ -18,21 +18,31 @@ fn error(system: &System, state: &rattlebench::mechanics::State) -> f64 {
 
 /// A whip of 20 links at h = 5e-3 comes to moments in which the equations of a step have several solutions. One of them took
 /// 1.36 of the energy scale from nowhere at 3.995 s (6.15 with the splitting) before it was refused; started from lower
-/// degrees of the extrapolation the iteration finds the right one.
+/// degrees of the extrapolation the iteration finds the right one. The motion is chaotic: starts differ by a little gravity.
 #[test]
 fn a_whip_does_not_leap_to_a_false_solution() {
-    let system = compile(&alternating(20));
     for rotation in [Rotation::MoserVeselov, Rotation::Splitting] {
-        let mut rattle = Rattle::new(&system).unwrap().with_rotation(rotation);
-        let (mut state, mut worst) = (system.initial.clone(), 0.0_f64);
-        for _ in 0..2000 {
-            rattle.step(5e-3).unwrap();
-            rattle.write_state(&mut state);
-            worst = worst.max(error(&system, &state));
+        let (mut worst, mut refused) = (0.0_f64, 0);
+        for start in 0..10 {
+            let mut scene = alternating(20);
+            scene.gravity *= 1.0 + 1e-3 * f64::from(start);
+            let system = compile(&scene);
+            let mut rattle = Rattle::new(&system).unwrap().with_rotation(rotation);
+            let mut state = system.initial.clone();
+            for _ in 0..2000 {
+                if let Err(failure) = rattle.step(5e-3) {
+                    println!("{rotation:?}, start {start}: {failure:?}");
+                    refused += 1;
+                    break;
+                }
+                rattle.write_state(&mut state);
+                worst = worst.max(error(&system, &state));
+            }
+            assert!(start > 0 || refused == 0, "the first start runs through");
         }
-        println!("{rotation:?}: {worst:.2e}");
-        // measured 2.5e-2 and 3.4e-2
-        assert!(worst <= 5e-2, "{worst:e}");
+        println!("{rotation:?}: {worst:.2e}, {refused} refused");
+        // measured in 120 runs of 60 starts: 2.9e-2 in the middle, 1.8e-1 at most, 8 refused
+        assert!(worst <= 0.4 && refused <= 3, "{worst:e}, {refused} refused");
     }
 }
 

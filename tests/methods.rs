@@ -173,7 +173,10 @@ fn the_euler_maps_are_adjoints_of_each_other() {
 
 #[test]
 fn shake_has_the_states_of_rattle() {
-    for system in [five_links(), damped()] {
+    // measured at most 9.9e-12 in 60 starts, as two runs that differ by roundoff, and 3.0e-15 where dampers calm the motion
+    let both = |start| [(start, five_links(), 2.5e-11), (start, damped(), 8e-15)];
+    for (start, mut system, most) in (0..10).flat_map(both) {
+        system.gravity *= 1.0 + 1e-3 * f64::from(start);
         let (mut rattle, mut shake) = (Map::rattle(&system, Method::Rattle), Map::rattle(&system, Method::Shake));
         let (mut a, mut b) = (system.initial.clone(), system.initial.clone());
         let mut worst = 0.0_f64;
@@ -189,8 +192,7 @@ fn shake_has_the_states_of_rattle() {
             worst = worst.max(distance(&a, &b));
         }
         println!("differ by {worst:.1e}");
-        // measured 7.1e-13, as two runs that differ by roundoff, and less
-        assert!(worst <= 2e-12, "{worst:e}");
+        assert!(worst <= most, "{worst:e}");
     }
 }
 

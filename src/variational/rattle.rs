@@ -238,7 +238,7 @@ impl Rattle {
     }
 
     /// Goes on with the constraint iteration far below roundoff. What the last correction leaves has the same sign for many steps; where the
-    /// method errs less than roundoff does, as at high order, that is what the energy drifts by. It takes half as many rounds more.
+    /// method errs less than roundoff does, as at high order, that is what the energy drifts by. It takes two thirds as many rounds more.
     pub fn with_unbiased_roundoff(self) -> Rattle {
         Rattle { unbiased: true, ..self }
     }

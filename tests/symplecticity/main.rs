@@ -126,6 +126,10 @@ fn moving() -> Vec<(System, State)> {
         .collect()
 }
 
+/// What roundoff does to differences. Where there is one freedom, the estimate comes from one number and is smaller by chance: of
+/// 40 starts of the pendulum it has 7e-14 to 3.6e-12.
+const ROUNDOFF: f64 = 3.6e-12;
+
 #[test]
 fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
     let systems = moving();
@@ -136,13 +140,13 @@ fn one_step_of_every_order_is_symplectic_and_one_of_runge_kutta_is_not() {
         let words = |d: Differenced| format!("{:.1e} ± {:.1e}", d.defect, d.error);
         println!("{:16} {} Runge-Kutta {}", system.name, found.map(words).join(", "), words(runge_kutta));
         for d in found {
-            // measured at most 1.05 (pendulum)
-            assert!(d.defect <= 2.0 * d.error, "{}: {d:?}", system.name);
+            // measured at most 3.2e-12 in 40 starts of the pendulum
+            assert!(d.defect <= 2.0 * d.error.max(ROUNDOFF), "{}: {d:?}", system.name);
             // measured at most 1.1e-9 (chain_10)
             assert!(d.error <= 2.5e-9, "{}: {d:?}", system.name);
         }
-        // measured 5.2e2 (pendulum) to 1.3e6 (chain_10)
-        assert!(runge_kutta.defect >= 200.0 * runge_kutta.error, "{}: {runge_kutta:?}", system.name);
+        // measured 103 (pendulum, 3.7e-10 to 4.0e-10 in 40 starts) to 1.3e6 (chain_10)
+        assert!(runge_kutta.defect >= 40.0 * runge_kutta.error.max(ROUNDOFF), "{}: {runge_kutta:?}", system.name);
     }
 }
 

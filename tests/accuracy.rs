@@ -40,7 +40,9 @@ fn studied(scene: &Scene, engines: &[&str], step: f64, duration: f64, swept: boo
     };
     let sweep = if swept { sweep::settings_of(&engines, false) } else { Vec::new() };
     let study = Study { comparison, sweep: &sweep };
-    let findings = study.run(&AtomicBool::new(false), &Progress::default());
+    let progress = Progress::default();
+    let findings = study.run(&AtomicBool::new(false), &progress);
+    assert_eq!(progress.ranked.into_inner(), progress.to_rank.into_inner(), "turns taken and announced");
     Report::of_study(scene, &system, &findings, "rattlebench compare".to_string())
 }
 

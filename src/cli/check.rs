@@ -143,7 +143,7 @@ impl Runner {
     fn take(&self, task: &Task, name: &'static str, units: &[Unit]) -> Result<Report, CliError> {
         let taken = AtomicU64::new(0);
         let settings = Settings { jobs: self.jobs, interrupted: self.interrupted, taken: &taken };
-        let stages = [progress::Stage { name, total: run::steps(units), done: &taken }];
+        let stages = [progress::Stage::new(name, run::steps(units), &taken)];
         let found = progress::during(&task.scene.name, &stages, || run::run(&task.system, units, &settings));
         if self.interrupted.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);

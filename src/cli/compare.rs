@@ -147,9 +147,10 @@ fn compare(task: &Task, study: Study, interrupted: &AtomicBool) -> Result<(), Cl
     }
     let counters = Progress::default();
     let stages = [
-        progress::Stage { name: "measuring", total: study.steps(), done: &counters.traced },
-        progress::Stage { name: "examining", total: study.comparison.examinations(), done: &counters.examined },
-        progress::Stage { name: "timing", total: study.turns(), done: &counters.timed },
+        progress::Stage::new("measuring", study.steps(), &counters.traced),
+        progress::Stage::new("examining", study.comparison.examinations(), &counters.examined),
+        progress::Stage::new("timing", study.turns(), &counters.timed),
+        progress::Stage::later("ranking", &counters.to_rank, &counters.ranked),
     ];
     let findings = progress::during(&task.scene.name, &stages, || study.run(interrupted, &counters));
     if findings.results.runs.is_empty() {

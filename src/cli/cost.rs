@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let steps = (TIMED / step).round().max(1.0) as u64;
     let scaling = Scaling { engines: &engines, systems: &systems, step, steps };
     let taken = AtomicU64::new(0);
-    let stages = [progress::Stage { name: "timing", total: scaling.turns(), done: &taken }];
+    let stages = [progress::Stage::new("timing", scaling.turns(), &taken)];
     let points = progress::during("cost", &stages, || scaling.run(interrupt::flag(), &taken));
     let points = points.ok_or(CliError::Interrupted)?;
     let rods = Chain::default();

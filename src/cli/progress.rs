@@ -11,9 +11,32 @@ const PERIOD: Duration = Duration::from_millis(250);
 
 /// One stretch of work: what it is, how much of it there is, how much is done.
 pub struct Stage<'a> {
-    pub name: &'static str,
-    pub total: u64,
-    pub done: &'a AtomicU64,
+    name: &'static str,
+    total: Total<'a>,
+    done: &'a AtomicU64,
+}
+
+enum Total<'a> {
+    Known(u64),
+    Later(&'a AtomicU64),
+}
+
+impl<'a> Stage<'a> {
+    pub fn new(name: &'static str, total: u64, done: &'a AtomicU64) -> Stage<'a> {
+        Stage { name, total: Total::Known(total), done }
+    }
+
+    /// How much there is turns out before the stage begins; until then `total` is 0.
+    pub fn later(name: &'static str, total: &'a AtomicU64, done: &'a AtomicU64) -> Stage<'a> {
+        Stage { name, total: Total::Later(total), done }
+    }
+
+    fn total(&self) -> Option<u64> {
+        match self.total {
+            Total::Known(total) => Some(total),
+            Total::Later(total) => Some(total.load(Ordering::Relaxed)).filter(|total| *total > 0),
+        }
+    }
 }
 
 /// Runs `work` on this thread while another shows how far its stages are, one after the other. Without a terminal it only
@@ -34,16 +57,19 @@ pub fn during<T>(title: &str, stages: &[Stage], work: impl FnOnce() -> T) -> T {
 
 fn watch(title: &str, stages: &[Stage], finished: &AtomicBool) {
     for stage in stages {
-        let bar = ProgressBar::with_draw_target(Some(stage.total), ProgressDrawTarget::stderr());
+        let bar = ProgressBar::with_draw_target(stage.total(), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{prefix} {msg} [{bar:32}] {percent:>3} %, {eta} left") {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_prefix(title.to_string());
         bar.set_message(stage.name);
         loop {
-            let done = stage.done.load(Ordering::Relaxed);
-            bar.set_position(done.min(stage.total));
-            if finished.load(Ordering::Relaxed) || done >= stage.total {
+            let (done, total) = (stage.done.load(Ordering::Relaxed), stage.total());
+            if let Some(total) = total {
+                bar.set_length(total);
+                bar.set_position(done.min(total));
+            }
+            if finished.load(Ordering::Relaxed) || total.is_some_and(|total| done >= total) {
                 break;
             }
             std::thread::park_timeout(PERIOD);

@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let run = Run { system: &system, horizon, every };
     let mut turn = Turn::new(&system, engine.as_ref(), args.step);
     let (taken, interrupted) = (AtomicU64::new(0), interrupt::flag());
-    let stages = [progress::Stage { name: "simulating", total: horizon.steps, done: &taken }];
+    let stages = [progress::Stage::new("simulating", horizon.steps, &taken)];
     // Rows on a terminal show by themselves how far the run is.
     let ended = if output.is_terminal() {
         run.write(engine.as_mut(), &mut turn, &mut output, &taken, interrupted)

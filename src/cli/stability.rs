@@ -105,7 +105,7 @@ fn work_off(todo: &[Cell], jobs: usize, store: &Store) -> Result<Vec<StoredCell>
             _ => interrupted.store(true, Ordering::Relaxed),
         }
     };
-    let stages = [progress::Stage { name: "running", total: suite::work(todo), done: &done }];
+    let stages = [progress::Stage::new("running", suite::work(todo), &done)];
     progress::during("stability", &stages, || suite::run(todo, jobs, interrupted, &done, &keep));
     match failure.into_inner() {
         Ok(Some(error)) => Err(error.into()),

@@ -31,7 +31,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let stages: Vec<progress::Stage> = topics
         .iter()
         .zip(&counters)
-        .map(|(topic, done)| progress::Stage { name: topic.name, total: (topic.work)(), done })
+        .map(|(topic, done)| progress::Stage::new(topic.name, (topic.work)(), done))
         .collect();
     let computed = progress::during("theory", &stages, || {
         let compute = |(topic, done): (&&'static Topic, &AtomicU64)| match (topic.compute)(done) {

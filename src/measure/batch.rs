@@ -83,10 +83,10 @@ pub(super) fn on_threads<T: Send>(
 }
 
 /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.
-/// `taken` counts turns, [`clock::ROUNDS`]` + 1` for each run.
+/// `taken` counts turns, [`Effort::turns`] for each run.
 pub(super) fn time(
     system: &System,
-    runs: &mut [Run],
+    runs: &mut [&mut Run],
     effort: Effort,
     interrupted: &AtomicBool,
     taken: &AtomicU64,
@@ -105,7 +105,7 @@ pub(super) fn time(
             })
             .collect();
         let skipped = runs.len() - candidates.len();
-        taken.fetch_add((skipped * (clock::ROUNDS + 1)) as u64, Ordering::Relaxed);
+        taken.fetch_add(skipped as u64 * effort.turns(), Ordering::Relaxed);
         clock::time(&candidates, effort, interrupted, taken)
     };
     let Some(timings) = timings else { return false };

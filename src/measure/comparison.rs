@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::Horizon;
 use super::batch::{self, Batch};
-use super::clock::{self, Effort, Timing};
+use super::clock::{Effort, Timing};
 use super::structure::{self, Structure};
 use super::trace::{Limits, Trace};
 use super::truth::Truth;
@@ -30,10 +30,14 @@ pub struct Comparison<'a> {
 /// How far a comparison is, for a progress bar.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Steps of traced runs, runs of which a few steps were examined, and turns of timed ones.
+    /// Steps of traced runs, runs of which a few steps were examined, turns of timed ones, and turns of those that are timed
+    /// again to rank them.
     pub traced: AtomicU64,
     pub examined: AtomicU64,
     pub timed: AtomicU64,
+    pub ranked: AtomicU64,
+    /// Turns to be taken for the ranking; none before it is known how many.
+    pub to_rank: AtomicU64,
 }
 
 /// One engine at one step size.
@@ -67,7 +71,7 @@ impl Comparison<'_> {
 
     /// Turns that the timed runs take at most.
     pub fn turns(&self) -> u64 {
-        (self.engines.len() * self.horizons.len() * (clock::ROUNDS + 1)) as u64
+        (self.engines.len() * self.horizons.len()) as u64 * Effort::FULL.turns()
     }
 
     /// Runs everything; `interrupted` may be set from outside at any time.
@@ -114,6 +118,7 @@ impl Comparison<'_> {
 
     /// Times traced runs. False where interrupted.
     pub(super) fn time(&self, runs: &mut [Run], interrupted: &AtomicBool, progress: &Progress) -> bool {
-        batch::time(self.system, runs, Effort::FULL, interrupted, &progress.timed)
+        let mut runs: Vec<&mut Run> = runs.iter_mut().collect();
+        batch::time(self.system, &mut runs, Effort::FULL, interrupted, &progress.timed)
     }
 }

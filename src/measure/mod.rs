@@ -4,7 +4,7 @@
 //! computes energy, joint residuals and momentum after every step; [`clock`] measures the processor time of the stepping
 //! alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows;
 //! [`structure`] what a few steps preserve of the structure of the motion. [`truth`] is the trajectory that [`accuracy`] is
-//! judged by, and [`study`] a comparison with all that belongs to it.
+//! judged by, [`ranking`] what an accuracy costs each engine, and [`study`] a comparison with all that belongs to it.
 
 pub mod accuracy;
 mod batch;
@@ -15,6 +15,7 @@ pub mod growth;
 pub mod horizon;
 pub mod parity;
 mod quadrature;
+pub mod ranking;
 pub mod scaling;
 pub mod series;
 pub mod stability;

@@ -29,7 +29,7 @@ pub struct Point {
 impl Scaling<'_> {
     /// Turns that the timing takes at most, one for each engine and system in each round and one before.
     pub fn turns(&self) -> u64 {
-        (self.engines.len() * self.systems.len() * (clock::ROUNDS + 1)) as u64
+        (self.engines.len() * self.systems.len()) as u64 * Effort::FULL.turns()
     }
 
     /// Times every engine on every system, in turns; what an engine cannot simulate or step is left out. `None` where it

@@ -6,10 +6,12 @@ use super::batch::{self, Batch};
 use super::clock::{self, Effort};
 use super::comparison::{Comparison, Progress, Results, Run};
 use super::parity::{Parity, parity};
+use super::ranking;
 use super::sweep::{self, Setting};
 use super::trust;
 use super::truth::Truth;
 use crate::engines::{self, Spec};
+use crate::mechanics::System;
 
 /// What is studied.
 #[derive(Debug)]
@@ -41,6 +43,21 @@ pub struct Sweep {
     pub runs: Vec<Run>,
 }
 
+impl Sweep {
+    /// All runs in a few rounds, then those that decide ranks in many. False where interrupted.
+    fn time(&mut self, system: &System, interrupted: &AtomicBool, progress: &Progress) -> bool {
+        let mut all: Vec<&mut Run> = self.runs.iter_mut().collect();
+        if !batch::time(system, &mut all, Effort::SWEEP, interrupted, &progress.timed) {
+            return false;
+        }
+        let contested = ranking::contested(&self.runs, self.error_estimate);
+        progress.to_rank.store(contested.len() as u64 * Effort::RANKING.turns(), Ordering::Relaxed);
+        let is_contested = |(i, run): (usize, _)| contested.contains(&i).then_some(run);
+        let mut runs: Vec<&mut Run> = self.runs.iter_mut().enumerate().filter_map(is_contested).collect();
+        batch::time(system, &mut runs, Effort::RANKING, interrupted, &progress.ranked)
+    }
+}
+
 impl Study<'_> {
     /// Steps that the traced runs take together, at most.
     pub fn steps(&self) -> u64 {
@@ -50,7 +67,7 @@ impl Study<'_> {
     /// Turns that the timed runs take, at most.
     pub fn turns(&self) -> u64 {
         let swept = self.sweep.iter().map(|s| s.counts.len()).sum::<usize>();
-        self.comparison.turns() + (swept * (clock::ROUNDS + 1)) as u64
+        self.comparison.turns() + swept as u64 * Effort::SWEEP.turns()
     }
 
     /// Runs everything; `interrupted` may be set from outside at any time.
@@ -65,9 +82,7 @@ impl Study<'_> {
         };
         if !results.interrupted {
             let timed = self.comparison.time(&mut results.runs, interrupted, progress)
-                && sweep.as_mut().is_none_or(|sweep| {
-                    batch::time(system, &mut sweep.runs, Effort::SWEEP, interrupted, &progress.timed)
-                });
+                && sweep.as_mut().is_none_or(|sweep| sweep.time(system, interrupted, progress));
             results.interrupted = !timed;
         }
         let overhead = if results.interrupted { None } else { clock::overhead() };

@@ -137,8 +137,15 @@ mod tests {
     #[test]
     fn a_saved_cost_is_read_back_and_drawn_again() {
         let folder = tempfile::tempdir().expect("a folder");
-        let timing =
-            crate::measure::clock::Timing { median: 2e-6, min: 1e-6, max: 3e-6, rounds: 5, steps: 10, passes: 1 };
+        let timing = crate::measure::clock::Timing {
+            median: 2e-6,
+            low: 1e-6,
+            min: 1e-6,
+            max: 3e-6,
+            rounds: 5,
+            steps: 10,
+            passes: 1,
+        };
         let points = [1, 10].map(|links| Point { engine: "rattle".into(), links, timing });
         let cost = Cost::new(&points, "chains".into(), 1e-3, 0.2, "rattlebench cost".into());
         cost.write(folder.path()).expect("written");

@@ -8,9 +8,11 @@ use super::front;
 use super::record::Run;
 use crate::engines::Spec;
 use crate::measure::accuracy::Accuracy as MeasuredAccuracy;
-use crate::measure::clock;
+use crate::measure::clock::Effort;
+use crate::measure::comparison::Run as MeasuredRun;
 use crate::measure::convergence::{self, Verdict};
 use crate::measure::parity::Parity as MeasuredParity;
+use crate::measure::ranking::{self, Place};
 use crate::measure::study::{Findings, Sweep as MeasuredSweep};
 use crate::measure::sweep::chooses_steps;
 use crate::measure::truth::Truth;
@@ -139,21 +141,15 @@ pub struct Cheapest {
     /// The engine without its settings.
     pub family: String,
     pub reached: bool,
-    /// 1 where no engine reaches the target for less. Engines share a rank whose costs differ by less than a quarter, which is what
-    /// timing tells apart on a machine with other work.
+    /// 1 where no engine reaches the target for less. Engines share a rank whose costs differ by less than 15 %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rank: Option<usize>,
     pub engine: String,
     pub step_s: f64,
     pub max_joint_error: f64,
+    /// From the lower decile over the rounds, which other work on the machine moves least.
     pub s_per_simulated_s: f64,
 }
-
-/// Ratio of costs below which they are alike.
-const ALIKE: f64 = 1.25;
-
-/// Joint position errors that a summary is given for, rad or m.
-pub const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 
 impl Reference {
     pub(super) fn new(truth: &Truth) -> Reference {
@@ -208,9 +204,12 @@ impl Parity {
 impl Timing {
     pub(super) fn new(findings: &Findings) -> Timing {
         Timing {
-            method: "processor time of the stepping thread, engines in turns round by round, median over the rounds"
-                .to_string(),
-            rounds: clock::ROUNDS,
+            method: format!(
+                "processor time of the stepping thread, engines in turns round by round, median over the rounds; settings of the \
+                 sweep that decide a rank in {} rounds, and costs compared by the lower decile",
+                Effort::RANKING.rounds
+            ),
+            rounds: Effort::FULL.rounds,
             overhead_us_per_step: findings.overhead.map(|seconds| 1e6 * seconds),
         }
     }
@@ -222,7 +221,7 @@ impl Sweep {
         let runs: Vec<Run> =
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
         let convergence = convergence(&runs, 10.0 * sweep.error_estimate);
-        let targets = targets(&runs, sweep.error_estimate);
+        let targets = targets(sweep);
         let mut expectations = expectations(&runs, sweep.error_estimate);
         expectations.extend(over_long_times(compared));
         Sweep { until_s: sweep.until, reference_error: sweep.error_estimate, runs, convergence, targets, expectations }
@@ -244,72 +243,28 @@ fn convergence(runs: &[Run], roundoff: f64) -> Vec<Convergence> {
 }
 
 /// Targets that the reference is good enough to judge.
-fn targets(runs: &[Run], reference_error: f64) -> Vec<Target> {
-    let judged = TARGETS.into_iter().filter(|target| *target >= 3.0 * reference_error);
-    let families = front::families(runs);
-    let found = judged.map(|target| Target {
-        max_joint_error: target,
-        engines: ranked(families.iter().filter_map(|(family, runs)| cheapest(family, runs, target)).collect()),
+fn targets(sweep: &MeasuredSweep) -> Vec<Target> {
+    let judged = ranking::TARGETS.into_iter().filter(|target| ranking::is_judged(*target, sweep.error_estimate));
+    let found = judged.map(|target| {
+        let places = ranking::rank(&sweep.runs, target);
+        Target {
+            max_joint_error: target,
+            engines: places.iter().map(|p| Cheapest::new(p, &sweep.runs[p.run])).collect(),
+        }
     });
     found.filter(|target| !target.engines.is_empty()).collect()
 }
 
-/// Costs are alike that are less than a quarter above the least of those that share their rank.
-fn ranked(mut engines: Vec<Cheapest>) -> Vec<Cheapest> {
-    let mut reached: Vec<&mut Cheapest> = engines.iter_mut().filter(|e| e.reached).collect();
-    reached.sort_by(|a, b| a.s_per_simulated_s.total_cmp(&b.s_per_simulated_s));
-    let (mut rank, mut least) = (0, 0.0);
-    for (place, engine) in reached.into_iter().enumerate() {
-        if place == 0 || engine.s_per_simulated_s >= ALIKE * least {
-            (rank, least) = (place + 1, engine.s_per_simulated_s);
+impl Cheapest {
+    fn new(place: &Place, run: &MeasuredRun) -> Cheapest {
+        Cheapest {
+            family: run.engine.entry().name.to_string(),
+            reached: place.reached,
+            rank: place.rank,
+            engine: run.engine.to_string(),
+            step_s: run.horizon.step,
+            max_joint_error: place.error,
+            s_per_simulated_s: place.cost,
         }
-        engine.rank = Some(rank);
-    }
-    engines
-}
-
-fn cheapest(family: &str, runs: &[&Run], target: f64) -> Option<Cheapest> {
-    let timed: Vec<(&Run, f64, f64)> =
-        runs.iter().filter_map(|r| Some((*r, front::cost(r)?, front::error(r)?))).collect();
-    let reaching = timed.iter().filter(|(_, _, error)| *error <= target);
-    let best = reaching.min_by(|a, b| a.1.total_cmp(&b.1));
-    let nearest = || timed.iter().min_by(|a, b| a.2.total_cmp(&b.2));
-    let (run, cost, error) = best.or_else(nearest)?;
-    Some(Cheapest {
-        family: family.to_string(),
-        reached: best.is_some(),
-        rank: None,
-        engine: run.engine.clone(),
-        step_s: run.step_s,
-        max_joint_error: *error,
-        s_per_simulated_s: *cost,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn costs_that_timing_does_not_tell_apart_share_a_rank() {
-        let cheapest = |cost: f64, reached: bool| Cheapest {
-            family: "rattle".to_string(),
-            reached,
-            rank: None,
-            engine: "rattle".to_string(),
-            step_s: 1e-3,
-            max_joint_error: 1e-6,
-            s_per_simulated_s: cost,
-        };
-        let ranks = |costs: [f64; 4]| {
-            let engines = ranked(costs.map(|cost| cheapest(cost, cost < 9.0)).to_vec());
-            engines.iter().map(|e| e.rank).collect::<Vec<_>>()
-        };
-        assert_eq!(ranks([1.1, 3.0, 1.0, 9.0]), [Some(1), Some(3), Some(1), None]);
-        // Changed by a few percent each, the rank is the same; by more, it is not.
-        assert_eq!(ranks([1.0, 2.9, 1.08, 9.0]), [Some(1), Some(3), Some(1), None]);
-        assert_eq!(ranks([1.3, 3.0, 1.0, 9.0]), [Some(2), Some(3), Some(1), None]);
-        // Each is near the one before it, but the third is not near the first.
-        assert_eq!(ranks([1.0, 1.2, 1.3, 1.4]), [Some(1), Some(1), Some(3), Some(3)]);
     }
 }

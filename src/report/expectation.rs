@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::front::{self, family};
 use super::number::{duration, plain, power_of_ten, written};
 use super::record::Run;
+use crate::measure::ranking;
 use crate::variational::composition;
 
 /// An expectation and what the runs say about it.
@@ -23,8 +24,6 @@ pub struct Expectation {
     pub found: String,
 }
 
-/// Errors at which costs are compared, rad or m; the smallest that the reference can judge and `dop853` reaches is taken.
-const ERRORS: [f64; 2] = [1e-9, 1e-8];
 /// Times the cost of `dop853` that is expected at most.
 const MOST_COST: [(&str, f64); 2] = [("galerkin", 1.0), ("rattle", 4.0)];
 /// Times the error of `rattle` that rapier's is expected to be at least, at equal cost.
@@ -60,7 +59,7 @@ fn cheapest<'a>(runs: &'a [Run], engine: &'a str, error: f64) -> Option<Known<'a
 }
 
 fn cost(runs: &[Run], reference_error: f64, engine: &str, most: f64) -> Option<Expectation> {
-    let judged = ERRORS.into_iter().filter(|error| *error >= 3.0 * reference_error);
+    let judged = ranking::FINE_TARGETS.into_iter().filter(|error| ranking::is_judged(*error, reference_error));
     let (error, rival) = judged.filter_map(|error| Some((error, cheapest(runs, "dop853", error)?))).next()?;
     let bound = power_of_ten(error.log10().round() as i32);
     let times = if most == 1.0 { String::new() } else { format!("{} times ", plain(most, 2)) };

@@ -8,6 +8,7 @@ use super::number::{duration, plain, short, written};
 use super::record::{Machine, Report, Run, SceneRecord, Versions};
 use super::summary::{self, Words};
 use super::{evidence, finding, table};
+use crate::measure::clock::Effort;
 
 /// A chart to be put into the page.
 #[derive(Debug)]
@@ -173,8 +174,9 @@ fn costs(sweep: &evidence::Sweep) -> Markup {
             (words(&targets))
             p.small {
                 "CPU seconds a simulated second of the cheapest setting of each engine whose largest joint position error (rad \
-                 or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, and that setting. \
-                 The reference is known to " (written(sweep.reference_error)) "."
+                 or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, and that setting; \
+                 from the lower decile over the rounds, of which settings that decide an order of engines have "
+                (Effort::RANKING.rounds) ". The reference is known to " (written(sweep.reference_error)) "."
             }
             @if !sweep.expectations.is_empty() {
                 ul { @for expectation in &sweep.expectations { li { (expectation.sentence()) } } }

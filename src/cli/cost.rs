@@ -29,7 +29,8 @@ const ENGINES: [&str; 10] = [
 
 const LINKS: [usize; 7] = [1, 2, 5, 10, 20, 50, 100];
 
-/// Every hinge about z starts at this angle, rad, so that the chain leaves its plane.
+/// Every hinge about z starts at this angle, rad, so that the chain leaves its plane, and that single precision does not compute
+/// with subnormal numbers.
 const BEND: f64 = 0.3;
 
 /// Simulated time that is stepped through, s: before a long chain whips.
@@ -76,7 +77,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let points = points.ok_or(CliError::Interrupted)?;
     let rods = Chain::default();
     let model = format!(
-        "Chains of {} m, {} kg rods with hinges about y and z in turn, released from horizontal",
+        "Chains of {} m, {} kg rods with hinges about y and z in turn, those about z bent by {BEND} rad, released at rest",
         rods.length, rods.mass
     );
     let cost = Cost::new(&points, model, step, steps as f64 * step, input::command_line());

@@ -6,11 +6,20 @@ const SMALL: f64 = 0.3;
 /// Points near the floor do not count: only those this many times above it.
 const ABOVE_FLOOR: f64 = 10.0;
 
+/// Errors below this have roundoff in them, and do not count.
+const EXACT: f64 = 1e-13;
+
+/// Neither do those that are not this many times the error of the reference.
+const ABOVE_REFERENCE: f64 = 3.0;
+
 /// The order is fitted to this many of the finest steps that count.
 const FITTED: usize = 4;
 
 /// A floor below this is roundoff.
 pub const ROUNDOFF: f64 = 1e-10;
+
+/// So is one of up to this many times the error of the reference.
+const FROM_REFERENCE: f64 = 10.0;
 
 /// Where the last halvings of the step gain less than this power of it, the error has stopped falling.
 const STALLED: f64 = 0.3;
@@ -50,9 +59,8 @@ impl Verdict {
     }
 }
 
-/// Judges `(step, error)` pairs. `roundoff` is the floor that is put down to roundoff, at least [`ROUNDOFF`]. `None` with
-/// fewer than three pairs.
-pub fn judge(points: &[(f64, f64)], roundoff: f64) -> Option<Convergence> {
+/// Judges `(step, error)` pairs; the errors are known to `reference_error`. `None` with fewer than three pairs.
+pub fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence> {
     let mut points: Vec<(f64, f64)> =
         points.iter().copied().filter(|(h, e)| *h > 0.0 && e.is_finite() && *e > 0.0).collect();
     points.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -64,9 +72,10 @@ pub fn judge(points: &[(f64, f64)], roundoff: f64) -> Option<Convergence> {
         return Some(Convergence { order: None, floor: None, verdict: Verdict::NotSmall });
     }
     let lowest = small.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-    let roundoff = roundoff.max(ROUNDOFF);
+    let roundoff = ROUNDOFF.max(FROM_REFERENCE * reference_error);
     let floor = stalled(&small, roundoff).then_some(lowest);
-    let counts = |p: &&(f64, f64)| floor.is_none_or(|floor| p.1 > ABOVE_FLOOR * floor);
+    let smallest = EXACT.max(ABOVE_REFERENCE * reference_error).max(floor.map_or(0.0, |floor| ABOVE_FLOOR * floor));
+    let counts = |p: &&(f64, f64)| p.1 > smallest;
     let falling: Vec<(f64, f64)> = small.iter().take_while(counts).copied().collect();
     let fitted = &falling[falling.len().saturating_sub(FITTED)..];
     let verdict = match floor {
@@ -137,8 +146,28 @@ mod tests {
         let found = judged(|h| h.powi(6).max(1e-14));
         assert_eq!((found.verdict, found.floor), (Verdict::ToRoundoff, Some(1e-14)));
         assert!((found.order.expect("fitted") - 6.0).abs() < 1e-9, "{found:?}");
-        let limit = judge(&STEPS.map(|h| (h, h.powi(4) + 1e-9)), 2e-9).expect("points");
+        let limit = judge(&STEPS.map(|h| (h, h.powi(4) + 1e-9)), 2e-10).expect("points");
         assert_eq!(limit.verdict, Verdict::ToRoundoff);
+    }
+
+    #[test]
+    fn errors_that_reach_roundoff_at_the_finest_step_do_not_bend_the_order() {
+        // Order 8 on a double pendulum: the last error is roundoff, but fell.
+        let points = [
+            (1.0 / 30.0, 5.6e-10),
+            (0.025, 5.5e-11),
+            (0.02, 9.2e-12),
+            (1.0 / 70.0, 6e-13),
+            (0.01, 3.2e-14),
+            (0.005, 5e-15),
+        ];
+        let found = judge(&points, 4e-14).expect("enough points");
+        assert!((found.order.expect("fitted") - 8.0).abs() < 0.15, "{found:?}");
+        assert_eq!(found.verdict, Verdict::Converges);
+        // Nor do those that the reference cannot judge.
+        let found = judge(&points, 1e-12).expect("enough points");
+        assert!((found.order.expect("fitted") - 8.0).abs() < 0.15, "{found:?}");
+        assert_eq!(judge(&points, 1e-10).expect("enough points").order, None);
     }
 
     #[test]

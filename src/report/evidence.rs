@@ -119,7 +119,8 @@ pub struct Convergence {
     /// Engine spec.
     pub engine: String,
     pub verdict: Verdict,
-    /// Slope of the error over the step size, both logarithmic, at the finest steps above the floor.
+    /// Slope of the error over the step size, both logarithmic, at the finest steps whose errors are well above the floor,
+    /// roundoff and the error of the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
     /// The smallest error, where it has stopped falling, rad or m.
@@ -220,7 +221,7 @@ impl Sweep {
     pub(super) fn new(sweep: &MeasuredSweep, system: &System, compared: &[Run]) -> Sweep {
         let runs: Vec<Run> =
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
-        let convergence = convergence(&runs, 10.0 * sweep.error_estimate);
+        let convergence = convergence(&runs, sweep.error_estimate);
         let targets = targets(sweep);
         let mut expectations = expectations(&runs, sweep.error_estimate);
         expectations.extend(over_long_times(compared));
@@ -229,13 +230,13 @@ impl Sweep {
 }
 
 /// For every engine that was run at several step sizes. One that chooses its own has none.
-fn convergence(runs: &[Run], roundoff: f64) -> Vec<Convergence> {
+fn convergence(runs: &[Run], reference_error: f64) -> Vec<Convergence> {
     let fixed_steps = |run: &Run| !Spec::parse(&run.engine).is_ok_and(|spec| chooses_steps(&spec));
     runs.chunk_by(|a, b| a.engine == b.engine)
         .filter(|runs| fixed_steps(&runs[0]))
         .filter_map(|runs| {
             let points: Vec<(f64, f64)> = runs.iter().filter_map(|r| Some((r.step_s, front::error(r)?))).collect();
-            let found = convergence::judge(&points, roundoff)?;
+            let found = convergence::judge(&points, reference_error)?;
             let engine = runs[0].engine.clone();
             Some(Convergence { engine, verdict: found.verdict, order: found.order, floor: found.floor })
         })

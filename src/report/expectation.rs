@@ -237,7 +237,7 @@ mod tests {
             found[0].sentence(),
             "Expected and not so, for 10⁻⁹ galerkin costs at most as much as dop853: dop853:tolerance=1e-9 needs 0.0001 s a \
              simulated second for 10⁻⁹, galerkin:stages=6 at 0.1 s 1.5 times that: its 10 steps a simulated second are all as long as the \
-             most violent moment allows, and it iterates the stages of each to roundoff in 0.00015 µs, while dop853 fits its \
+             most violent moment allows, and it iterates the stages of each to roundoff in 15 µs, while dop853 fits its \
              steps to the motion and takes 12 evaluations for each."
         );
         assert!(
@@ -245,7 +245,7 @@ mod tests {
         );
         let found = expectations(&all(9e-5, 1.7e-3, 1e-4), 1e-12)[1].sentence();
         let reason = "rattle:order=8 at 0.1 s 17 times that: each of its 10 steps a simulated second is 17 steps of order 2, which \
-                      solve the joints to far below roundoff in 0.0001 µs each, while dop853 fits";
+                      solve the joints to far below roundoff in 10 µs each, while dop853 fits";
         assert!(found.starts_with("Expected and not so") && found.contains(reason), "{found}");
         let adaptive = run("rattle:step=adaptive,tol=1e-6", 1.7e-3, 3e-10);
         let found = super::reason(&adaptive);

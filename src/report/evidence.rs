@@ -119,8 +119,8 @@ pub struct Convergence {
     /// Engine spec.
     pub engine: String,
     pub verdict: Verdict,
-    /// Slope of the error over the step size, both logarithmic, at the finest steps whose errors are well above the floor,
-    /// roundoff and the error of the reference.
+    /// Slope of the error over the step size, both logarithmic, at the finest steps whose errors are above the floor,
+    /// roundoff and what the reference leaves uncertain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
     /// The smallest error, where it has stopped falling, rad or m.

@@ -191,8 +191,8 @@ fn convergence(sweep: &evidence::Sweep) -> Markup {
             h2 { "Convergence" }
             (words(&table))
             p.small {
-                "The order is the slope of the joint position error over the step size at the finest steps whose errors are well above \
-                 the floor, roundoff and the error of the reference; the floor is the smallest error, where shorter steps no longer reduce it. A floor at roundoff is no defect; one far \
+                "The order is the slope of the joint position error over the step size at the finest steps whose errors are above \
+                 the floor, roundoff and what the reference leaves uncertain; the floor is the smallest error, where shorter steps no longer reduce it. A floor at roundoff is no defect; one far \
                  above it comes from single precision, clamps, or constraints that are solved only in part."
             }
         }

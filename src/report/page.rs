@@ -159,7 +159,7 @@ fn notes(report: &Report, of: fn(&Run) -> Option<&str>) -> Markup {
 pub(super) fn words(words: &Words) -> Markup {
     html! {
         div.wide {
-            table {
+            table.words {
                 thead { tr { @for head in &words.head { th.word { (head) } } } }
                 tbody { @for row in &words.rows { tr { @for cell in row { td.word { (cell) } } } } }
             }

@@ -219,19 +219,20 @@ fn parity_of(parity: &evidence::Parity) -> Markup {
                 thead {
                     tr {
                         th.word { "engine" }
+                        th.word { "agrees" }
                         @for head in ["mass", "inertia", "centre of mass, m", "energy", "linear momentum", "angular momentum",
-                                      "acceleration", "solved", "agrees"] { th.number { (head) } }
+                                      "acceleration", "solved"] { th.number { (head) } }
                     }
                 }
                 tbody {
                     @for e in &parity.engines {
                         tr {
                             td.word { (e.engine) }
+                            td.word { @if e.agrees { "yes" } @else { "no" } }
                             @for x in [e.mass, e.inertia, e.com_m, Some(e.energy), Some(e.linear_momentum),
                                        Some(e.angular_momentum), e.acceleration, e.acceleration_solved] {
                                 td.number { (absent(x)) }
                             }
-                            td.number { @if e.agrees { "yes" } @else { "no" } }
                         }
                     }
                 }

@@ -7,19 +7,6 @@ pub fn family(engine: &str) -> &str {
     engine.split(':').next().unwrap_or_default()
 }
 
-/// Runs by engine without settings, in the order of the runs.
-pub fn families(runs: &[Run]) -> Vec<(&str, Vec<&Run>)> {
-    let mut found: Vec<(&str, Vec<&Run>)> = Vec::new();
-    for run in runs {
-        let name = family(&run.engine);
-        match found.iter_mut().find(|(family, _)| *family == name) {
-            Some((_, members)) => members.push(run),
-            None => found.push((name, vec![run])),
-        }
-    }
-    found
-}
-
 /// Largest joint position error of a completed run, rad or m.
 pub fn error(run: &Run) -> Option<f64> {
     run.accuracy.as_ref().filter(|_| run.outcome == Outcome::Completed).map(|a| a.max_joint_error)
@@ -104,8 +91,5 @@ pub(super) mod tests {
         let all: Vec<&Run> = runs.iter().collect();
         let names: Vec<&str> = front(&all).iter().map(|r| r.engine.as_str()).collect();
         assert_eq!(names, ["a:k=1", "a", "a:k=3"]);
-        runs.push(run("b:k=1", 1.0, 1.0));
-        let families: Vec<(&str, usize)> = families(&runs).iter().map(|(name, runs)| (*name, runs.len())).collect();
-        assert_eq!(families, [("a", 5), ("b", 1)]);
     }
 }

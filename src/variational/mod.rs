@@ -6,19 +6,13 @@
 //! for it, [`substep`] takes a step that fails in halves. Loops, couplings and springs between points are rows across the tree, whose Schur complement is
 //! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
 
-pub mod adaptive;
-mod attitude;
 mod bonds;
 mod compensated;
-#[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
-pub mod composition;
-pub mod energy_momentum;
 #[doc(hidden)]
 pub mod fault;
 mod forces;
 mod free_body;
 mod joints;
-pub mod lobatto;
 mod loops;
 pub mod method;
 mod newton;
@@ -28,15 +22,13 @@ pub mod rattle;
 pub mod rotation;
 mod rows;
 mod spatial;
-pub mod substep;
-mod tableau;
 mod tree;
 
-pub use adaptive::Adaptive;
-pub use energy_momentum::EnergyMomentum;
 #[doc(hidden)]
 pub use fault::Fault;
-pub use lobatto::Lobatto;
-pub use method::Method;
+pub use method::adaptive::Adaptive;
+pub use method::energy_momentum::EnergyMomentum;
+pub use method::lobatto::Lobatto;
+pub use method::{Method, adaptive, composition, energy_momentum, lobatto, substep};
 pub use rattle::{Failure, Rattle};
 pub use rotation::Rotation;

@@ -4,7 +4,7 @@
 //! better, but a step whose size depends on whether it converged is no symplectic and no time-reversible map: the long-time
 //! behaviour is given up wherever it happens.
 
-use super::Failure;
+use crate::variational::rattle::Failure;
 
 /// How often a step is halved at most: down to 1/1024 of it.
 pub const MOST_HALVINGS: u32 = 10;

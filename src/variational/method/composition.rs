@@ -89,7 +89,7 @@ impl Composition {
     }
 
     /// Whether roundoff may be all that is left of the energy error at usual steps: it must have no bias then
-    /// ([`super::Rattle::with_unbiased_roundoff`]).
+    /// ([`crate::variational::Rattle::with_unbiased_roundoff`]).
     pub fn reaches_roundoff(&self) -> bool {
         self.order >= 6
     }

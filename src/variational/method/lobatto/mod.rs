@@ -14,7 +14,7 @@
 //! `Q_1 = q0`, and `ahat_is = 0`, so that `lambda_1 ... lambda_(s-1)` follow from (1) and `lambda_s` from the projection in (3).
 //! Two stages are RATTLE. The map is symplectic, symmetric and of order `2 s - 2` on the constraint manifold.
 //!
-//! For given forces of the joints at the stages each body is solved on its own (`attitude.rs`), as the discrete
+//! For given forces of the joints at the stages each body is solved on its own ([`attitude`]), as the discrete
 //! Moser-Veselov equation is in RATTLE. The joints are closed by a chord iteration: their gaps at the stages `i = 2 ... s`
 //! are combined by the inverse of `(a ahat)_ik` into what the forces at each stage `k = 1 ... s-1` have to close, by the
 //! articulated-body recursion at that stage. With the recursion at `q0` for all of them a thin rod, whose compliance is
@@ -26,16 +26,20 @@
 //! `tests/independent_rattle` solves (1) to (3) as they stand, with all multipliers, by a dense Newton method on random trees:
 //! both agree to 3e-15 in the coordinates and, relatively, to 3e-14 in the momenta with 3 to 5 stages, and to 1.1e-13 with 2.
 
+mod attitude;
+mod tableau;
+
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::Failure;
-use super::attitude::{Attitude, MOST_ITERATIONS};
-use super::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
-use super::rattle::{Body, MOST_ROUNDS, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
-use super::spatial::{Spatial, Twist, Wrench};
-use super::tableau::{MOST_STAGES, Tableau};
-use super::tree::{Singular, Tree};
 use crate::mechanics::{BodyState, State, System};
+use crate::variational::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
+use crate::variational::rattle::{
+    Body, Failure, MOST_ROUNDS, RETURN, bodies, norm_defect, turn_less_one, world_inertia,
+};
+use crate::variational::spatial::{Spatial, Twist, Wrench};
+use crate::variational::tree::{Singular, Tree};
+use attitude::{Attitude, MOST_ITERATIONS};
+use tableau::{MOST_STAGES, Tableau};
 
 /// Rounds without progress after which the iteration is at roundoff.
 const STALLED: usize = 3;
@@ -68,7 +72,7 @@ pub enum Unfit {
     Failure(Failure),
 }
 
-/// The integrator. Nothing is allocated after [`Lobatto::new`]. Arrays run over the nodes as in [`super::Rattle`].
+/// The integrator. Nothing is allocated after [`Lobatto::new`]. Arrays run over the nodes as in [`crate::variational::Rattle`].
 #[derive(Clone, Debug)]
 pub struct Lobatto {
     tableau: Tableau,

@@ -31,8 +31,8 @@
 
 use std::cmp::Ordering;
 
-use super::{Failure, Rattle};
 use crate::mechanics::State;
+use crate::variational::rattle::{Failure, Rattle};
 
 /// By which factor a step may differ from the last one.
 const REACH: f64 = 2.0;

@@ -34,7 +34,7 @@ pub enum Method {
 impl Method {
     /// `w0`, `w1`
     #[inline(always)]
-    pub(super) fn parts(self) -> (f64, f64) {
+    pub(in crate::variational) fn parts(self) -> (f64, f64) {
         match self {
             Method::Rattle | Method::Shake => (0.5, 0.5),
             Method::EulerA => (1.0, 0.0),

@@ -23,8 +23,8 @@
 //! Output at a given time is made by a step to it from a copy of the last node, so that the sequence of nodes does not depend
 //! on when output is asked for.
 
-use super::{Failure, Rattle};
 use crate::mechanics::{State, System};
+use crate::variational::rattle::{Failure, Rattle};
 
 /// `C`: the step that belongs to a tolerance of 1 at a density of 1/s.
 const SCALE: f64 = 3.0;

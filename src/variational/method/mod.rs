@@ -1,0 +1,11 @@
+//! Maps of one step made of RATTLE, and its relatives.
+
+pub mod adaptive;
+#[allow(clippy::excessive_precision, reason = "weights with all the digits that were published")]
+pub mod composition;
+pub mod energy_momentum;
+pub mod lobatto;
+mod relatives;
+pub mod substep;
+
+pub use relatives::Method;

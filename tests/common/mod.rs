@@ -1,6 +1,8 @@
-//! Models that several tests build in code.
+//! What several tests share: models built in code, and (`discrete`) the problems of the theory.
 
-#![allow(dead_code, reason = "each test and bench uses a part")]
+#![allow(dead_code, reason = "each test program and bench uses a part")]
+
+pub mod discrete;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use rattlebench::mechanics::{BodyState, State, System};

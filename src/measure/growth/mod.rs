@@ -3,7 +3,7 @@
 //!
 //! # The test
 //!
-//! The rules and their constants were fixed on synthetic series of known law (`tests/growth.rs`), before they judged any
+//! The rules and their constants were fixed on synthetic series of known law (`tests/measure/growth.rs`), before they judged any
 //! engine. Let `m` be the block means, and let the run be cut into sixteen *parts*. The *band* `a` is the median
 //! half-width `(max - min) / 2` of the parts. In this order, an error is
 //!
@@ -39,7 +39,7 @@
 //!
 //! # What it does not promise
 //!
-//! Measured over 1000 seeds each while the rules were made; `tests/growth.rs` holds them to these rates on seeds that were
+//! Measured over 1000 seeds each while the rules were made; `tests/measure/growth.rs` holds them to these rates on seeds that were
 //! first used when the rules were final (fewer than 1 % of false alarms, at least 99.5 % of full drifts):
 //!
 //! | series of 4000 steps | verdict | rate |

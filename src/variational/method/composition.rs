@@ -5,7 +5,7 @@
 //! of order 4, 6 or 8 on the same manifold. Weights of order above 2 cannot all be positive (Suzuki 1991), so a damper,
 //! which has no backward motion, does not go with them.
 //!
-//! Other published sets beside those that ship, at the same number of solves (`tests/composition_sets.rs`): errors over those of
+//! Other published sets beside those that ship, at the same number of solves (`tests/core/composition_sets.rs`): errors over those of
 //! what ships, of the positions at the end and of the energy, on a spatial chain of five links (1 s) and on a planar double
 //! pendulum (5 s); geometric means over three or four numbers of solves, from 500 to 8000. Below 1 is better than what ships.
 //!

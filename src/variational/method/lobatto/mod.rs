@@ -23,7 +23,7 @@
 //! What it does not do: joint damping, and bodies with a `Jd` that is not positive (a flat plate has none along its
 //! normal). It knows nothing of the loops, couplings, springs and drives of a system: the engine refuses them with this method.
 //!
-//! `tests/independent_rattle` solves (1) to (3) as they stand, with all multipliers, by a dense Newton method on random trees:
+//! `tests/core/independent/` solves (1) to (3) as they stand, with all multipliers, by a dense Newton method on random trees:
 //! both agree to 3e-15 in the coordinates and, relatively, to 3e-14 in the momenta with 3 to 5 stages, and to 1.1e-13 with 2.
 
 mod attitude;

@@ -1,0 +1,7 @@
+//! The program from outside: its command line, its messages, and input that is bad or random.
+
+mod bad_input;
+mod check;
+mod cli;
+mod fuzz;
+mod theory;

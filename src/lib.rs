@@ -41,6 +41,7 @@ pub mod engines;
 pub mod measure;
 pub mod mechanics;
 pub mod model;
+mod numeric;
 pub mod reduced;
 pub mod report;
 pub mod variational;

@@ -1,7 +1,12 @@
 //! How far joints are from holding, in position and velocity.
 
-use super::coordinates::{JointCoordinates, Placed};
-use super::{Closure, Coupling, State, System};
+use super::closure::Closure;
+use super::joint::JointCoordinates;
+use super::parts::Coupling;
+use super::relative::Placed;
+use super::state::State;
+use super::system::System;
+use crate::numeric::larger;
 
 /// The largest joint residuals of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,9 +60,4 @@ impl Residual {
     fn larger(self, other: Residual) -> Residual {
         Residual { position: larger(self.position, other.position), velocity: larger(self.velocity, other.velocity) }
     }
-}
-
-/// The larger of two numbers; NaN where one is.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if b.is_nan() || b > a { b } else { a }
 }

@@ -2,8 +2,12 @@
 
 use nalgebra::Vector3;
 
-use super::coordinates::{JointCoordinates, joint_coordinates};
-use super::{Body, JointKind, State, System};
+use super::body::Body;
+use super::coordinates::joint_coordinates;
+use super::joint::JointCoordinates;
+use super::joint_kind::JointKind;
+use super::state::State;
+use super::system::System;
 
 /// Energy of a state, J.
 #[derive(Clone, Copy, Debug, PartialEq)]

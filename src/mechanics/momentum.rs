@@ -3,7 +3,9 @@
 
 use nalgebra::{Unit, Vector3};
 
-use super::{JointKind, State, System};
+use super::joint_kind::JointKind;
+use super::state::State;
+use super::system::System;
 
 /// A component of momentum that the exact motion conserves.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! What a system has beside its tree of bodies: loop closures, couplings, springs and drives.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Vector3;
 
-use super::{State, System};
-use crate::model::scene::LoopKind;
+use super::closure::Closure;
+use super::state::State;
 
 /// All of them.
 #[derive(Clone, Debug, Default)]
@@ -13,19 +13,6 @@ pub struct Parts {
     pub joint_springs: Vec<JointSpring>,
     pub point_springs: Vec<PointSpring>,
     pub drives: Vec<Drive>,
-}
-
-/// A joint that closes a loop between two bodies which the tree already connects; `None` is the ground.
-#[derive(Clone, Debug)]
-pub struct Closure {
-    pub name: String,
-    pub kind: LoopKind,
-    pub parent: Option<usize>,
-    pub child: Option<usize>,
-    /// Pose of the joint frame in the parent body's frame (in the world for the ground); its z axis is the joint's axis.
-    pub in_parent: Isometry3<f64>,
-    /// Pose of the joint frame in the child body's frame (in the world for the ground).
-    pub in_child: Isometry3<f64>,
 }
 
 /// A joint that follows another one (URDF `<mimic>`): `theta(follower) = multiplier theta(source) + offset`. Both have one
@@ -159,29 +146,5 @@ impl Parts {
         ]
         .into_iter()
         .filter_map(|(part, count)| (count > 0).then_some(part))
-    }
-}
-
-impl System {
-    /// All that pulls on the coordinates of a body's joint, as one spring: the springs together, and the damping of the
-    /// joint with that of the springs. `rest` is where the springs hold each other.
-    pub fn joint_spring(&self, body: usize) -> JointSpring {
-        let springs = || self.parts.joint_springs.iter().filter(|spring| spring.body == body);
-        let stiffness: f64 = springs().map(|spring| spring.stiffness).sum();
-        let damping = self.bodies[body].joint.damping + springs().map(|spring| spring.damping).sum::<f64>();
-        // From the first one, so that the rest of a single spring is not rounded.
-        let first = springs().next().map_or(0.0, |spring| spring.rest);
-        let moment: f64 = springs().map(|spring| spring.stiffness * (spring.rest - first)).sum();
-        let rest = if stiffness > 0.0 { first + moment / stiffness } else { first };
-        JointSpring { body, stiffness, damping, rest }
-    }
-
-    /// A damper, in words for messages: the first that there is in a joint, beside a joint's spring or between two points.
-    pub fn first_damper(&self) -> Option<String> {
-        let springs = self.parts.joint_springs.iter().filter(|spring| spring.damping > 0.0).map(|spring| spring.body);
-        let own = (0..self.bodies.len()).find(|&i| self.bodies[i].joint.damping > 0.0);
-        let joint = own.or(springs.min()).map(|i| format!("joint '{}'", self.bodies[i].joint.name));
-        let points = || self.parts.point_springs.iter().any(|spring| spring.damping > 0.0);
-        joint.or_else(|| points().then(|| "a spring between points".to_string()))
     }
 }

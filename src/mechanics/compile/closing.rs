@@ -7,9 +7,12 @@
 
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
-use super::coordinates::{JointCoordinates, forward_kinematics};
-use super::parts::Parts;
-use super::{Body, JointKind};
+use crate::mechanics::body::Body;
+use crate::mechanics::coordinates::forward_kinematics;
+use crate::mechanics::joint::JointCoordinates;
+use crate::mechanics::joint_kind::JointKind;
+use crate::mechanics::mobility::Mobility;
+use crate::mechanics::parts::Parts;
 
 /// Singular values below this part of the largest count as zero.
 const RANK: f64 = 1e-9;
@@ -30,25 +33,6 @@ const CLOSED: f64 = 1e-11;
 pub struct Given {
     pub position: bool,
     pub velocity: bool,
-}
-
-/// How many motions the loops and couplings leave.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mobility {
-    /// Coordinates that the tree leaves free.
-    pub tree: usize,
-    /// Rows of all loops and couplings, and how many of them are independent in the initial configuration.
-    pub rows: usize,
-    pub rank: usize,
-    /// For each loop, then each coupling: rows that those before it already imply.
-    pub redundant: Vec<usize>,
-}
-
-impl Mobility {
-    /// Degrees of freedom in the initial configuration.
-    pub fn degrees_of_freedom(&self) -> usize {
-        self.tree - self.rank
-    }
 }
 
 /// Loops that stay open: the index among loops and then couplings, and by how much (m or rad, m/s or rad/s).

@@ -1,0 +1,5 @@
+//! Arithmetic that several layers share and that knows nothing of mechanics.
+
+mod extremes;
+
+pub(crate) use extremes::larger;

@@ -3,7 +3,7 @@
 use crate::engines::{Spec, SpecError};
 use crate::measure::growth::Verdict;
 use crate::measure::{Horizon, HorizonError};
-use crate::model::bounds::{BoundFile, BoundsFile};
+use crate::model::scene::{BoundFile, BoundsFile};
 use crate::model::{Limit, Scene};
 use crate::report::Report;
 use crate::report::metrics::{METRICS, VERDICT};

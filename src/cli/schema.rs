@@ -5,7 +5,7 @@ use std::io::Write as _;
 use clap::ValueEnum;
 
 use super::CliError;
-use crate::model::scene_file::SceneFile;
+use crate::model::scene::SceneFile;
 use crate::report::Report;
 use crate::report::cost::Cost;
 use crate::report::stability::StabilityReport;

@@ -2,7 +2,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use super::{Inertial, Joint, JointKind, Link, Model, Scene};
+use super::joint::{Joint, JointKind};
+use super::link::{Inertial, Link};
+use super::robot::Model;
+use super::scene::Scene;
 
 /// A model in the making. Its root is a massless link `base`.
 #[derive(Clone, Debug)]

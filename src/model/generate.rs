@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::scene_error::{SceneProblem, positive};
+use super::scene::{SceneProblem, not_negative, positive};
 
 /// A chain of equal rods from a base, each along x from its joint, joint `i` at the end of rod `i - 1`.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +51,7 @@ impl Chain {
         positive("--length", "m", length)?;
         positive("--mass", "kg", mass)?;
         positive("--radius", "m", radius)?;
-        super::scene_error::not_negative("--damping", "N m s/rad", damping)?;
+        not_negative("--damping", "N m s/rad", damping)?;
         let along = mass * radius * radius / 2.0;
         let across = mass * (3.0 * radius * radius + length * length) / 12.0;
         let half = length / 2.0;

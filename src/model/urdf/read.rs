@@ -3,12 +3,18 @@
 
 use std::path::Path;
 
-use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::document::{self, Document};
+use super::document;
 use super::error::{ModelError, Problem};
-use super::tree::{self, Edge, WORLD};
-use super::{Collision, Inertial, Joint, JointKind, Link, Mimic, Model, Shape, inertia, shapes};
+use super::order::{self, Edge, WORLD};
+use super::pose::{direction, pose_of};
+use super::text::read_text;
+use super::walk::Document;
+use super::{inertia, shapes};
+use crate::model::joint::{Joint, JointKind, Mimic};
+use crate::model::link::{Collision, Inertial, Link, Shape};
+use crate::model::robot::Model;
 
 /// How far the length of an axis may be from 1 without a remark: files print few digits.
 const AXIS_LENGTH: f64 = 1e-3;
@@ -37,20 +43,11 @@ pub fn read_urdf_with_density(path: impl AsRef<Path>, density: Option<f64>) -> R
     model(&robot, document, density).map_err(|problem| ModelError::of(&file, problem))
 }
 
-/// A whole text file.
-pub(super) fn read_text(path: &Path) -> Result<String, Problem> {
-    std::fs::read_to_string(path).map_err(|e| match e.kind() {
-        std::io::ErrorKind::NotFound => Problem::Missing,
-        std::io::ErrorKind::InvalidData => Problem::NotText,
-        _ => Problem::Unreadable(e),
-    })
-}
-
 fn model(robot: &urdf_rs::Robot, document: Document, density: Option<(f64, &Path)>) -> Result<Model, Problem> {
     let names: Vec<&str> = robot.links.iter().map(|l| l.name.as_str()).collect();
     let edges: Vec<Edge> =
         robot.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link }).collect();
-    let order = tree::order(&names, &edges)?;
+    let order = order::order(&names, &edges)?;
     let Document { has_inertial, ignored, mut remarks, .. } = document;
 
     // Links in the file's order first, so that remarks come in the file's order too.
@@ -163,17 +160,6 @@ fn joint(
     Ok(Joint { name, kind, parent, child, origin: pose(&source.origin), axis, damping, friction, mimic })
 }
 
-/// The direction of a vector of any length but zero, without overflow or underflow.
-pub(super) fn direction(written: &Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
-    let largest = written.amax();
-    (largest > 0.0).then(|| Unit::new_normalize(written / largest))
-}
-
-/// A URDF origin: the translation, and the rotation `Rz(yaw) Ry(pitch) Rx(roll)`.
-pub(super) fn pose_of(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Isometry3<f64> {
-    Isometry3::from_parts(Translation3::from(xyz), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
-}
-
 fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     pose_of(origin.xyz.0, origin.rpy.0)
 }
@@ -196,6 +182,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use approx::assert_relative_eq;
+    use nalgebra::UnitQuaternion;
 
     use super::*;
 

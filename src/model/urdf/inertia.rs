@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 
-use super::Inertial;
 use super::error::Problem;
+use crate::model::link::Inertial;
 
 /// A principal moment below `-NEGATIVE` times the largest one is an error; above it, it is roundoff of the file.
 const NEGATIVE: f64 = 1e-9;

@@ -8,7 +8,7 @@ use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::bounds::BoundFile;
-use super::scene;
+use super::data;
 
 /// A scene: a URDF model with gravity, an initial state, loops, springs, drives, a duration and bounds. SI units:
 /// lengths in m, angles in rad, time in s, masses in kg.
@@ -57,15 +57,15 @@ pub struct SceneFile {
 }
 
 fn default_gravity() -> [f64; 3] {
-    scene::GRAVITY
+    data::GRAVITY
 }
 
 fn default_duration() -> f64 {
-    scene::DURATION
+    data::DURATION
 }
 
 fn default_steps() -> Vec<f64> {
-    scene::STEPS.to_vec()
+    data::STEPS.to_vec()
 }
 
 /// How the root link stands in the world.

@@ -7,7 +7,8 @@ use parry3d::mass_properties::MassProperties;
 use parry3d::math::Vector;
 
 use super::error::Problem;
-use super::{Collision, Inertial, Shape, inertia};
+use super::inertia;
+use crate::model::link::{Collision, Inertial, Shape};
 
 /// A mesh whose outward areas add up to more than this part of its surface is not closed.
 const OPEN_AREA: f64 = 1e-3;

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::names::known;
+use crate::model::joint::JointKind;
+use crate::model::names::known;
 
 /// Why a URDF could not be read. Nothing is half-loaded: a model is whole or it is this.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +18,7 @@ pub struct ModelError {
 
 impl ModelError {
     /// A problem of the file as a whole, or of an element that its name is enough to find.
-    pub(super) fn of(file: &str, problem: Problem) -> Self {
+    pub(in crate::model) fn of(file: &str, problem: Problem) -> Self {
         ModelError { file: file.to_owned(), position: None, problem: Box::new(problem) }
     }
 }
@@ -68,7 +69,7 @@ pub enum Problem {
     TwoRotations { element: String },
     #[error("{element}: <origin quat_xyzw=\"{value}\"> is zero; write a quaternion of length 1")]
     ZeroQuaternion { element: String, value: String },
-    #[error("joint '{joint}': type '{value}' is not known; types are: {}", super::JointKind::NAMES.join(", "))]
+    #[error("joint '{joint}': type '{value}' is not known; types are: {}", JointKind::NAMES.join(", "))]
     UnknownJointType { joint: String, value: String },
     #[error("{element}: is defined more than once; rename one of them")]
     Duplicate { element: String },

@@ -1,78 +1,23 @@
 //! From a scene file to a [`Scene`]: names become indices, numbers are checked.
 
-use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::collections::HashSet;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::error::Position;
-use super::scene::{Anchor, Base, Drive, JointInitial, Loop, LoopKind, Place, Scene, Spring};
-use super::scene_error::{SceneError, SceneProblem, not_negative, positive};
-use super::scene_file::{
-    AnchorFile, BaseFile, BaseStateFile, DriveFile, JointStateFile, LoopFile, LoopKindFile, Numbers, SceneFile,
-    SpringFile,
-};
-use super::tree::WORLD;
-use super::urdf::{direction, pose_of, read_text};
-use super::{JointKind, Model, bounds, read_urdf_with_density};
+use super::bounds;
+use super::data::{Base, JointInitial, Scene};
+use super::error::{SceneProblem, positive};
+use super::file::{BaseFile, BaseStateFile, JointStateFile, LoopFile, Numbers, SceneFile};
+use super::index::Names;
+use super::parts::Loop;
+use crate::model::joint::JointKind;
+use crate::model::robot::Model;
+use crate::model::urdf::WORLD;
 
 /// How far the length of a quaternion may be from 1: the digits that files print.
 const QUATERNION_LENGTH: f64 = 1e-6;
 
-/// Reads a scene `.json` file and the URDF that it names.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let file: SceneFile = read_json(path)?;
-    let urdf = path.parent().unwrap_or(Path::new("")).join(&file.model);
-    let fault = |problem| SceneError::of(path, problem);
-    if !urdf.is_file() {
-        let at = urdf.display().to_string();
-        return Err(fault(SceneProblem::ModelMissing { model: file.model, path: at }));
-    }
-    let density = file.density.map(|d| positive("density", "kg/m^3", d)).transpose().map_err(fault)?;
-    let model = read_urdf_with_density(&urdf, density)?;
-    scene(file, &name_of(path), model).map_err(fault)
-}
-
-/// A file of JSON, nothing before or after it.
-pub(super) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, SceneError> {
-    let text = read_text(path).map_err(|problem| SceneError::of(path, SceneProblem::File(problem)))?;
-    let mut json = serde_json::Deserializer::from_str(&text);
-    let file = serde_path_to_error::deserialize(&mut json).map_err(|e| {
-        let key = e.path().to_string();
-        json_error(path, &key, e.inner())
-    })?;
-    json.end().map_err(|e| json_error(path, ".", &e))?;
-    Ok(file)
-}
-
-/// serde_json's own message, with its place put in front and in the words of JSON instead of those of Rust. `key` is `.`
-/// for the file as a whole.
-fn json_error(path: &Path, key: &str, error: &serde_json::Error) -> SceneError {
-    let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    let position = Position { line: place(error.line()), column: place(error.column()) };
-    let mut detail = error.to_string();
-    let suffix = format!(" at line {} column {}", error.line(), error.column());
-    detail.truncate(detail.strip_suffix(&suffix).unwrap_or(&detail).len());
-    for (rust, json) in [(" field ", " key "), ("variant", "value"), ("f64", "a number"), ("`", "'")] {
-        detail = detail.replace(rust, json);
-    }
-    if key != "." {
-        detail = format!("{key}: {detail}");
-    }
-    SceneError::Json { file: path.display().to_string(), position, detail }
-}
-
-/// The folder of a `scene.json`, the stem of any other file.
-fn name_of(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let absolute = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    match absolute.parent().and_then(Path::file_name) {
-        Some(folder) if stem == "scene" => folder.to_string_lossy().into_owned(),
-        _ => stem,
-    }
-}
-
-fn scene(file: SceneFile, name: &str, model: Model) -> Result<Scene, SceneProblem> {
+pub(super) fn scene(file: SceneFile, name: &str, model: Model) -> Result<Scene, SceneProblem> {
     let names = Names::of(&model);
     let base = base(file.base, file.initial.base.as_ref(), &model)?;
     let mut initial = Scene::of_model(name, model.clone()).initial;
@@ -174,128 +119,11 @@ fn loops(files: &[LoopFile], names: &Names) -> Result<Vec<Loop>, SceneProblem> {
     Ok(resolved)
 }
 
-/// The names of a model.
-struct Names<'a> {
-    model: &'a Model,
-    links: HashMap<&'a str, usize>,
-    joints: HashMap<&'a str, usize>,
-}
-
-impl<'a> Names<'a> {
-    fn of(model: &'a Model) -> Self {
-        let links = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
-        let joints = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
-        Names { model, links, joints }
-    }
-
-    fn joint(&self, key: &str, joint: &str) -> Result<usize, SceneProblem> {
-        let all = || self.model.joints.iter().map(|j| j.name.clone()).collect();
-        let problem = || SceneProblem::UnknownJoint { key: key.to_owned(), joint: joint.to_owned(), joints: all() };
-        self.joints.get(joint).copied().ok_or_else(problem)
-    }
-
-    /// A joint with exactly one coordinate.
-    fn single(&self, key: &str, joint: &str) -> Result<usize, SceneProblem> {
-        let index = self.joint(key, joint)?;
-        let kind = self.model.joints[index].kind;
-        let problem =
-            || SceneProblem::NotOneCoordinate { key: key.to_owned(), joint: joint.to_owned(), kind: kind.name() };
-        if kind.degrees_of_freedom() == 1 { Ok(index) } else { Err(problem()) }
-    }
-
-    /// `None` is the ground: `world`, unless the model defines a link of that name.
-    fn link(&self, key: &str, link: &str) -> Result<Option<usize>, SceneProblem> {
-        match self.links.get(link) {
-            Some(&index) => Ok(Some(index)),
-            None if link == WORLD => Ok(None),
-            None => {
-                let links = self.model.links.iter().map(|l| l.name.clone()).collect();
-                Err(SceneProblem::UnknownLink { key: key.to_owned(), link: link.to_owned(), links })
-            }
-        }
-    }
-
-    fn closure(&self, key: &str, file: &LoopFile) -> Result<Loop, SceneProblem> {
-        let kind = match file.kind {
-            LoopKindFile::Revolute => LoopKind::Revolute,
-            LoopKindFile::Spherical => LoopKind::Spherical,
-            LoopKindFile::Fixed => LoopKind::Fixed,
-            LoopKindFile::Prismatic => LoopKind::Prismatic,
-        };
-        let has_axis = matches!(kind, LoopKind::Revolute | LoopKind::Prismatic);
-        let axis = match file.axis {
-            Some(axis) => direction(&Vector3::from(axis)).ok_or(SceneProblem::ZeroAxis { key: key.to_owned() })?,
-            None if has_axis => {
-                let why = "a revolute or prismatic loop needs its axis in the parent_origin frame";
-                return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "axis", why });
-            }
-            None => Vector3::x_axis(),
-        };
-        let parent = Place {
-            link: self.link(&format!("{key}.parent"), &file.parent)?,
-            origin: pose_of(file.parent_origin.xyz, file.parent_origin.rpy),
-        };
-        let child = Place {
-            link: self.link(&format!("{key}.child"), &file.child)?,
-            origin: pose_of(file.child_origin.xyz, file.child_origin.rpy),
-        };
-        if parent.link == child.link {
-            return Err(SceneProblem::SameLink { key: key.to_owned(), link: file.parent.clone() });
-        }
-        Ok(Loop { name: file.name.clone(), kind, axis, parent, child })
-    }
-
-    fn spring(&self, key: &str, file: &SpringFile) -> Result<Spring, SceneProblem> {
-        let extra = |present: bool, extra, with| {
-            let problem = SceneProblem::ExtraKey { key: key.to_owned(), extra, with };
-            if present { Err(problem) } else { Ok(()) }
-        };
-        let stiffness = not_negative(&format!("{key}.stiffness"), "N/m or N m/rad", file.stiffness)?;
-        let damping = not_negative(&format!("{key}.damping"), "N s/m or N m s/rad", file.damping)?;
-        if let Some(joint) = &file.joint {
-            extra(file.from.is_some(), "from", "joint")?;
-            extra(file.to.is_some(), "to", "joint")?;
-            extra(file.rest_length.is_some(), "rest_length", "joint")?;
-            let joint = self.single(&format!("{key}.joint"), joint)?;
-            return Ok(Spring::Joint { joint, stiffness, damping, rest: file.rest.unwrap_or(0.0) });
-        }
-        extra(file.rest.is_some(), "rest", "from and to")?;
-        let missing = |missing| {
-            let why = "a spring needs \"joint\", or \"from\" and \"to\"";
-            SceneProblem::MissingKey { key: key.to_owned(), missing, why }
-        };
-        let from = self.anchor(&format!("{key}.from"), file.from.as_ref().ok_or_else(|| missing("from"))?)?;
-        let to_file = file.to.as_ref().ok_or_else(|| missing("to"))?;
-        let to = self.anchor(&format!("{key}.to"), to_file)?;
-        if from.link == to.link {
-            return Err(SceneProblem::SameLink { key: key.to_owned(), link: to_file.link.clone() });
-        }
-        let rest_length = not_negative(&format!("{key}.rest_length"), "m", file.rest_length.unwrap_or(0.0))?;
-        Ok(Spring::Points { from, to, stiffness, damping, rest_length })
-    }
-
-    fn anchor(&self, key: &str, file: &AnchorFile) -> Result<Anchor, SceneProblem> {
-        Ok(Anchor { link: self.link(&format!("{key}.link"), &file.link)?, point: Vector3::from(file.point) })
-    }
-
-    fn drive(&self, key: &str, file: &DriveFile) -> Result<Drive, SceneProblem> {
-        let joint = self.single(&format!("{key}.joint"), &file.joint)?;
-        let frequency_hz = match file.frequency_hz {
-            Some(frequency) => not_negative(&format!("{key}.frequency_hz"), "Hz", frequency)?,
-            None if file.amplitude != 0.0 => {
-                let why = "an amplitude needs a frequency in Hz";
-                return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "frequency_hz", why });
-            }
-            None => 0.0,
-        };
-        Ok(Drive { joint, effort: file.effort, amplitude: file.amplitude, frequency_hz, phase: file.phase })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::bounds::Limit;
+    use super::super::parts::{Anchor, Drive, LoopKind, Spring};
     use super::*;
-    use crate::model::bounds::Limit;
 
     /// A scene on a model with a hinge `elbow`, a ball joint `ball` and a weld `weld`.
     fn load(text: &str) -> Scene {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::error::{ModelError, Position, Problem};
-use super::names::known;
+use crate::model::names::known;
+use crate::model::urdf::{ModelError, Position, Problem};
 
 /// Why a scene could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -84,7 +84,7 @@ pub fn positive(key: &str, unit: &'static str, value: f64) -> Result<f64, SceneP
 }
 
 /// Passes a finite number that is not below zero.
-pub(super) fn not_negative(key: &str, unit: &'static str, value: f64) -> Result<f64, SceneProblem> {
+pub(in crate::model) fn not_negative(key: &str, unit: &'static str, value: f64) -> Result<f64, SceneProblem> {
     let fits = value.is_finite() && value >= 0.0;
     if fits { Ok(value) } else { Err(SceneProblem::Negative { key: key.to_owned(), unit, value }) }
 }

@@ -25,7 +25,7 @@ pub(super) struct Order {
 }
 
 /// The parent that means the ground where no link has that name.
-pub(super) const WORLD: &str = "world";
+pub(in crate::model) const WORLD: &str = "world";
 
 /// Orders links and joints: parents before children, otherwise as in the file.
 ///

@@ -1,7 +1,8 @@
 //! What a scene asks of an engine, in a few words each.
 
-use super::scene::{Base, LoopKind, Scene, Spring};
-use super::{Joint, JointKind};
+use super::data::{Base, Scene};
+use super::parts::{LoopKind, Spring};
+use crate::model::joint::{Joint, JointKind};
 
 impl Scene {
     /// What an engine must have to run this scene, such as `revolute joints` or `damping`; the same words for the same

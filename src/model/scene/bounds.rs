@@ -5,8 +5,8 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::resolve;
-use super::scene_error::{SceneError, SceneProblem, positive};
+use super::error::{SceneError, SceneProblem, positive};
+use super::json::read_json;
 
 /// What a figure of a run must keep to.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ pub struct BoundFile {
 /// # Errors
 /// A file that cannot be read, is no JSON or not of this form, or a bound without an end or with an impossible step.
 pub fn read_bounds(path: &Path) -> Result<Vec<Bound>, SceneError> {
-    let file: BoundsFile = resolve::read_json(path)?;
+    let file: BoundsFile = read_json(path)?;
     let resolved = file.bounds.iter().enumerate().map(|(i, bound)| resolve(&format!("bounds[{i}]"), bound));
     resolved.collect::<Result<Vec<Bound>, SceneProblem>>().map_err(|problem| SceneError::of(path, problem))
 }

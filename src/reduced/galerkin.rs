@@ -349,6 +349,8 @@ impl Galerkin {
     }
 
     /// One round: (2), then (3) for the velocities, then (1) and the rates. Returns the largest correction.
+    /// All stages take the rates of the round before: each from those of this round converges slower, 13.7 rounds a step
+    /// against 8.3 on five links with 8 stages at 40 ms.
     fn correct(&mut self) -> f64 {
         for batch in &mut self.batches {
             self.p_rates.sum(self.p_rates.now(), &batch.mu, &self.p.value, &mut batch.p);

@@ -6,6 +6,8 @@
 //! `q / |q|` alone, so the Hamiltonian on R^4 x R^4 leaves `|q|^2` and `q . p` invariant. Both are quadratic: a Gauss method
 //! keeps them exactly, and what it does on `|q| = 1`, `q . p = 0` is a symplectic method on the cotangent bundle of the
 //! rotations (Betsch and Siebert 2009 for the equations; Hairer, Lubich and Wanner 2006, theorem IV.2.1 for the invariants).
+//! Collocation of the accelerations `a(q, v)` is not symplectic where the mass matrix depends on `q`, nor is one in a
+//! chart of rotations that is laid anew at every step, which depends on the state.
 //!
 //! With the velocities `u` in link axes, the momentum `P`, `L` of the links beyond a joint about its joint point, moving with
 //! `v` and turning with `omega`, the moment `N` and force `F` of gravity and of springs between points on them, and the effort

@@ -320,6 +320,7 @@ impl<T: Real> Elimination<T> {
                 *z + combine(u, &over_d.times(&Vector3::new(rhs[0], rhs[1], rhs[2])))
             }
             Elimination::Free { r, .. } => {
+                // It passes its own momentum on, although it passes no inertia.
                 let whole = Spatial::new(
                     r.times(&Vector3::new(rhs[0], rhs[1], rhs[2])),
                     r.times(&Vector3::new(rhs[3], rhs[4], rhs[5])),

@@ -181,7 +181,8 @@ pub(super) fn mismatch(node: &Node, pose: &Pose, parent: &Pose) -> Twist {
     }
 }
 
-/// Takes away what a wrench about the joint point has along the joint's free directions.
+/// Takes away what a wrench about the joint point has along the joint's free directions: roundoff of a difference, or of
+/// an extrapolation. Kept in the projection it cost order 8 on a pendulum a factor 60 in energy over 34 000 substeps.
 #[inline(always)]
 pub(super) fn keep_locked(node: &Node, place: &Place, wrench: &mut Wrench) {
     let z = place.axes.column(2);

@@ -20,6 +20,8 @@ use super::tree::Tree;
 const ENDS: usize = 4;
 
 /// A row whose velocity, over that of the same row on free bodies, is below this is implied by the other rows.
+/// On an overconstrained linkage the last singular value is as large as the state's distance from its path: a tighter
+/// bound sometimes takes it for a row, and the linkage stops dead.
 const RANK: f64 = 1e-7;
 
 /// A wrench on up to four nodes, each about the node's joint point, world axes.

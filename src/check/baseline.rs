@@ -11,8 +11,8 @@ use crate::engines::{self, Spec};
 use crate::measure::Horizon;
 use crate::mechanics::System;
 use crate::report::Report;
-use crate::report::metrics::{METRICS, Metric, VERDICT};
-use crate::report::record::{Outcome, Run};
+use crate::report::record::metrics::{METRICS, Metric, VERDICT};
+use crate::report::record::run::{Outcome, Run};
 
 /// An error may grow by this factor.
 pub const FACTOR: f64 = 2.0;

@@ -6,8 +6,8 @@ use super::run::TRUTH_BUDGET;
 use crate::engines::Spec;
 use crate::measure::growth::MIN_STEPS;
 use crate::report::Report;
-use crate::report::metrics::TIME_RATIO;
-use crate::report::record::{Outcome, Run};
+use crate::report::record::metrics::TIME_RATIO;
+use crate::report::record::run::{Outcome, Run};
 
 /// What became of one bound.
 #[derive(Clone, Debug)]

@@ -6,8 +6,8 @@ use crate::measure::{Horizon, HorizonError};
 use crate::model::scene::{BoundFile, BoundsFile};
 use crate::model::{Limit, Scene};
 use crate::report::Report;
-use crate::report::metrics::{METRICS, VERDICT};
-use crate::report::record::{Outcome, Run};
+use crate::report::record::metrics::{METRICS, VERDICT};
+use crate::report::record::run::{Outcome, Run};
 
 use super::QUICK_STEPS;
 use super::run::{self, Need, Unit};

@@ -5,7 +5,7 @@ use crate::engines::{Spec, SpecError};
 use crate::measure::Horizon;
 use crate::measure::growth::Verdict;
 use crate::model::{Bound, Limit};
-use crate::report::metrics::{METRICS, Metric, TIME_RATIO, VERDICT};
+use crate::report::record::metrics::{METRICS, Metric, TIME_RATIO, VERDICT};
 
 /// How far, relative to it, a duration may be from a whole number of steps.
 const WHOLE: f64 = 1e-9;

@@ -9,8 +9,8 @@ use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress, Results};
 use crate::measure::study::Findings;
-use crate::measure::trust;
-use crate::measure::truth::Truth;
+use crate::measure::truth;
+use crate::measure::truth::trusted::Truth;
 use crate::mechanics::System;
 
 /// Wall-clock time that the search for the truth of a scene may take.
@@ -94,7 +94,7 @@ pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Findings {
     let compared: Vec<Horizon> = units.iter().filter(|u| u.need.compared).map(|u| u.horizon).collect();
     let truth = match compared.is_empty() {
         true => None,
-        false => trust::find(system, &compared, TRUTH_BUDGET, settings.interrupted).filter(|t| !t.times.is_empty()),
+        false => truth::find(system, &compared, TRUTH_BUDGET, settings.interrupted).filter(|t| !t.times.is_empty()),
     };
     let results = take_all(system, units, truth.as_ref(), settings);
     Findings { results, truth, parity: Vec::new(), sweep: None, overhead: None }

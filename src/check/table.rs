@@ -1,7 +1,7 @@
 //! The findings as text.
 
 use super::Finding;
-use crate::report::number::duration;
+use crate::report::words::number::duration;
 
 /// A heading and a line for each bound.
 pub fn text(scene: &str, findings: &[Finding]) -> String {

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::CliError;
-use crate::report::cost::{self, Cost};
-use crate::report::record::ReadError;
-use crate::report::stability::{self, StabilityReport};
+use crate::report::Report;
+use crate::report::folder;
+use crate::report::record::cost::{self, Cost};
+use crate::report::record::report::ReadError;
+use crate::report::record::stability::{self, StabilityReport};
 use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
-use crate::report::{Report, files};
 
 /// Draw the charts and the page of saved reports, of saved costs and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
@@ -41,9 +42,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     };
     for (path, file) in saved {
         match file {
-            Saved::Report(report) => pages.push(files::draw(&report, &folder(path, &report.scene.name))?),
-            Saved::Stability(report) => pages.push(stability::draw(&report, &folder(path, "stability"))?),
-            Saved::Cost(cost) => pages.push(cost.draw(&folder(path, "cost"))?),
+            Saved::Report(report) => pages.push(folder::report::draw(&report, &folder(path, &report.scene.name))?),
+            Saved::Stability(report) => pages.push(folder::stability::draw(&report, &folder(path, "stability"))?),
+            Saved::Cost(cost) => pages.push(folder::cost::draw(&cost, &folder(path, "cost"))?),
             Saved::Theory(topic) => topics.push((path, *topic)),
         }
     }
@@ -84,7 +85,7 @@ fn read(path: &Path) -> Result<Saved, CliError> {
     let failed = |error| CliError::Report { path: path.to_path_buf(), error };
     match head.and_then(|head| head.schema).as_deref() {
         Some(FILE_SCHEMA) => return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?))),
-        Some(stability::record::SCHEMA) => {
+        Some(stability::SCHEMA) => {
             let report = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
             return Ok(Saved::Stability(Box::new(report)));
         }

@@ -13,8 +13,9 @@ use crate::check::{
 };
 use crate::mechanics::System;
 use crate::model::{Scene, read_bounds};
+use crate::report::Report;
 use crate::report::charts::broken_bound::{self, Broken};
-use crate::report::{Report, files};
+use crate::report::folder::files;
 
 /// Hold the figures of runs to the bounds of their scenes.
 ///
@@ -223,7 +224,7 @@ fn draw(task: &Task, report: &Report, findings: &[Finding]) -> Result<Vec<String
     let mut paths = Vec::new();
     for finding in findings.iter().filter(|f| !f.passed) {
         let r = &finding.requirement;
-        let of = |run: &&crate::report::record::Run| {
+        let of = |run: &&crate::report::record::run::Run| {
             run.engine == r.engine.to_string() && run.step_s == r.horizon.step && run.steps == r.horizon.steps
         };
         let Some(run) = report.runs.iter().find(of) else { continue };

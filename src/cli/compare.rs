@@ -9,12 +9,14 @@ use super::{CliError, input, interrupt, progress};
 use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress};
+use crate::measure::cost::sweep::{self, Setting};
 use crate::measure::study::Study;
-use crate::measure::sweep::{self, Setting};
 use crate::mechanics::System;
 use crate::model::Scene;
-use crate::report::number::duration;
-use crate::report::{Report, files, finding, summary, table};
+use crate::report::Report;
+use crate::report::folder::{files, report as folder};
+use crate::report::words::number::duration;
+use crate::report::words::{finding, summary, table};
 
 /// Engines that are compared where none is named, as far as they have the means for the scene.
 const ENGINES: [&str; 7] = [
@@ -162,7 +164,7 @@ fn compare(task: &Task, study: Study, interrupted: &AtomicBool) -> Result<(), Cl
             eprintln!("warning: {} at {}: {warning}", run.engine, duration(run.step_s));
         }
     }
-    let page = files::write(&report, &task.folder)?;
+    let page = folder::write(&report, &task.folder)?;
     print(&report, &page)?;
     if interrupted.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
 }

@@ -6,12 +6,14 @@ use std::sync::atomic::AtomicU64;
 
 use super::{CliError, input, interrupt, progress};
 use crate::engines::Spec;
-use crate::measure::scaling::Scaling;
+use crate::measure::cost::scaling::Scaling;
 use crate::mechanics::System;
 use crate::model::generate::Chain;
 use crate::model::{Scene, read_urdf};
-use crate::report::cost::Cost;
-use crate::report::files;
+use crate::report::folder;
+use crate::report::folder::files;
+use crate::report::record::cost::Cost;
+use crate::report::words::cost as cost_words;
 
 /// Engines that are timed where none is named.
 const ENGINES: [&str; 10] = [
@@ -81,9 +83,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         rods.length, rods.mass
     );
     let cost = Cost::new(&points, model, step, steps as f64 * step, input::command_line());
-    let page = cost.write(&args.out)?;
+    let page = folder::cost::write(&cost, &args.out)?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}\n{}", cost.table().text(), page.display())?;
+    writeln!(out, "{}\n{}", cost_words::table(&cost).text(), page.display())?;
     Ok(())
 }
 

@@ -11,10 +11,10 @@ use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
 use crate::mechanics::CompileError;
 use crate::model::{ModelError, SceneError, SceneProblem};
-use crate::report::files::WriteError;
-use crate::report::record::ReadError;
-use crate::report::stability::record::IncompleteError;
-use crate::report::stability::store::StoreError;
+use crate::report::folder::cells::StoreError;
+use crate::report::folder::files::WriteError;
+use crate::report::record::report::ReadError;
+use crate::report::record::stability::IncompleteError;
 use crate::report::theory::TheoryError;
 
 /// Why a subcommand could not do its work.

@@ -10,7 +10,7 @@ use super::{CliError, input};
 use crate::discrete::methods::METHODS;
 use crate::engines::{ENGINES, Key};
 use crate::model::Scene;
-use crate::report::metrics::METRICS;
+use crate::report::record::metrics::METRICS;
 
 /// List what there is to choose from.
 #[derive(Debug, clap::Args)]

@@ -5,9 +5,11 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use super::CliError;
-use crate::report::stability::record::{CellRecord, Key, SuiteRecord};
-use crate::report::stability::store::{self, Store};
-use crate::report::stability::{self, StabilityReport};
+use crate::report::folder::cells::{self, Store};
+use crate::report::folder::stability;
+use crate::report::record::stability::StabilityReport;
+use crate::report::record::stability::{CellRecord, Key, SuiteRecord};
+use crate::report::words::borders;
 
 /// Put the shards of one stability suite together: the same bytes as of a suite that was run in one piece.
 #[derive(Debug, clap::Args)]
@@ -25,7 +27,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut cells: HashMap<Key, CellRecord> = HashMap::new();
     let mut stored = Vec::new();
     for folder in &args.shard {
-        let (there, found) = store::read(folder, suite.as_ref())?;
+        let (there, found) = cells::read(folder, suite.as_ref())?;
         suite.get_or_insert(there);
         for cell in found {
             match cells.insert(cell.key(), cell.cell.clone()) {
@@ -45,6 +47,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     let page = stability::write(&report, &args.out)?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}{}", stability::text(&report), page.display())?;
+    writeln!(out, "{}{}", borders::text(&report), page.display())?;
     Ok(())
 }

@@ -7,8 +7,8 @@ use clap::ValueEnum;
 use super::CliError;
 use crate::model::scene::SceneFile;
 use crate::report::Report;
-use crate::report::cost::Cost;
-use crate::report::stability::StabilityReport;
+use crate::report::record::cost::Cost;
+use crate::report::record::stability::StabilityReport;
 use crate::report::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.

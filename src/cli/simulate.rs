@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use super::{CliError, input, interrupt, progress};
 use crate::engines::{self, Engine, Spec, StepFailure};
 use crate::measure::Horizon;
-use crate::measure::turn::Turn;
+use crate::measure::trace::turn_per_step::Turn;
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{State, System, constraint, energy};
 use crate::model::Scene;
-use crate::report::files::WholeFile;
+use crate::report::folder::files::WholeFile;
 
 /// Run one engine and write its states as CSV.
 ///

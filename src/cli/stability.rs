@@ -11,9 +11,10 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use super::{CliError, input, interrupt, progress};
 use crate::measure::stability::suite;
 use crate::measure::stability::{Cell, FAMILIES, Family, Finding, Shard, Suite};
-use crate::report::stability::record::{Key, StoredCell, SuiteRecord};
-use crate::report::stability::store::{Store, StoreError};
-use crate::report::stability::{self, StabilityReport};
+use crate::report::folder;
+use crate::report::folder::cells::{Store, StoreError};
+use crate::report::record::stability::{Key, StabilityReport, StoredCell, SuiteRecord};
+use crate::report::words::borders;
 
 /// Engines of a suite where none is named.
 const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
@@ -85,8 +86,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         return Ok(());
     }
     let report = StabilityReport::assemble(&head, &finished)?;
-    let page = stability::write(&report, &args.out)?;
-    writeln!(out, "{}{}", stability::text(&report), page.display())?;
+    let page = folder::stability::write(&report, &args.out)?;
+    writeln!(out, "{}{}", borders::text(&report), page.display())?;
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::{CliError, input, progress};
-use crate::report::files;
+use crate::report::folder::files;
 use crate::report::theory::{self, Data, TOPICS, Topic};
 
 /// Compute the figures and tables of the theory: orders, energy, conservation, small steps.

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Horizon;
-use super::clock::{self, Candidate, Effort};
 use super::comparison::Run;
+use super::cost::clock::{self, Candidate, Effort};
 use super::trace::{self, Limits, Outcome, Trace};
-use super::truth::Truth;
+use super::truth::trusted::Truth;
 use crate::engines::{self, Spec};
 use crate::mechanics::System;
 

@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use super::Horizon;
 use super::batch::{self, Batch};
-use super::clock::{Effort, Timing};
+use super::cost::clock::{Effort, Timing};
 use super::structure::{self, Structure};
 use super::trace::{Limits, Trace};
-use super::truth::Truth;
+use super::truth::trusted::Truth;
 use crate::engines::Spec;
 use crate::mechanics::System;
 

@@ -6,27 +6,18 @@
 //! [`structure`] what a few steps preserve of the structure of the motion. [`truth`] is the trajectory that [`accuracy`] is
 //! judged by, [`ranking`] what an accuracy costs each engine, and [`study`] a comparison with all that belongs to it.
 
-pub mod accuracy;
 mod batch;
-pub mod clock;
 pub mod comparison;
 pub mod convergence;
+pub mod cost;
 pub mod growth;
 pub mod horizon;
 pub mod parity;
-mod quadrature;
-pub mod ranking;
-pub mod scaling;
-pub mod series;
 pub mod stability;
 pub mod structure;
 pub mod study;
-pub mod sweep;
 pub mod trace;
-pub mod trust;
 pub mod truth;
-pub mod turn;
-mod work;
 
 #[cfg(test)]
 mod synthetic;

@@ -3,13 +3,13 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::{self, Batch};
-use super::clock::{self, Effort};
 use super::comparison::{Comparison, Progress, Results, Run};
+use super::cost::clock::{self, Effort};
+use super::cost::ranking;
+use super::cost::sweep::{self, Setting};
 use super::parity::{Parity, parity};
-use super::ranking;
-use super::sweep::{self, Setting};
-use super::trust;
-use super::truth::Truth;
+use super::truth;
+use super::truth::trusted::Truth;
 use crate::engines::{self, Spec};
 use crate::mechanics::System;
 
@@ -73,7 +73,7 @@ impl Study<'_> {
     /// Runs everything; `interrupted` may be set from outside at any time.
     pub fn run(&self, interrupted: &AtomicBool, progress: &Progress) -> Findings {
         let &Comparison { system, engines, horizons, budget, .. } = &self.comparison;
-        let truth = trust::find(system, horizons, budget, interrupted).filter(|truth| !truth.times.is_empty());
+        let truth = truth::find(system, horizons, budget, interrupted).filter(|truth| !truth.times.is_empty());
         let parity = parity(system, system, &self.engines(engines));
         let mut results = self.comparison.trace(truth.as_ref(), interrupted, progress);
         let mut sweep = match &truth {

@@ -4,21 +4,10 @@
 //! so that they can be drawn again without simulating. [`files::write`] writes the whole folder.
 
 pub mod charts;
-pub mod cost;
-pub mod environment;
-pub mod evidence;
-pub mod expectation;
-pub mod files;
-pub mod finding;
-pub mod front;
-pub mod metrics;
-pub mod number;
+pub mod folder;
 pub mod page;
 pub mod record;
-pub mod stability;
-mod structure;
-pub mod summary;
-pub mod table;
 pub mod theory;
+pub mod words;
 
-pub use record::Report;
+pub use record::report::Report;

@@ -7,13 +7,13 @@ use rattlebench::engines::{self, ENGINES, Spec};
 use rattlebench::measure::Horizon;
 use rattlebench::measure::comparison::{Comparison, Progress};
 use rattlebench::measure::convergence::Verdict;
+use rattlebench::measure::cost::sweep;
 use rattlebench::measure::parity::parity;
 use rattlebench::measure::study::Study;
-use rattlebench::measure::sweep;
 use rattlebench::mechanics::System;
 use rattlebench::model::Scene;
 use rattlebench::report::Report;
-use rattlebench::report::record::Run;
+use rattlebench::report::record::run::Run;
 
 use crate::common::compile;
 

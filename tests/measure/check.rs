@@ -9,7 +9,7 @@ use rattlebench::check::{Finding, QUICK_STEPS, Requirement, Scope, check, judge,
 use rattlebench::engines::{self, Engine, Spec, Unsupported};
 use rattlebench::measure::comparison::{Results, Run};
 use rattlebench::measure::trace::{Limits, trace_against};
-use rattlebench::measure::{Horizon, trust};
+use rattlebench::measure::{Horizon, truth};
 use rattlebench::mechanics::System;
 use rattlebench::model::Scene;
 use rattlebench::report::Report;
@@ -32,7 +32,7 @@ fn findings(path: &str, choose: impl Fn(&Requirement) -> bool, build: &Build) ->
     assert!(!chosen.is_empty(), "{path} has no such bounds");
     let limits = Limits { budget: Duration::MAX, interrupted: &AtomicBool::new(false), taken: &AtomicU64::new(0) };
     let compared: Vec<Horizon> = chosen.iter().filter(|r| r.need().compared).map(|r| r.horizon).collect();
-    let truth = trust::find(&system, &compared, TRUTH_BUDGET, limits.interrupted).filter(|_| !compared.is_empty());
+    let truth = truth::find(&system, &compared, TRUTH_BUDGET, limits.interrupted).filter(|_| !compared.is_empty());
     let mut runs: Vec<Run> = Vec::new();
     for r in &chosen {
         let taken = |run: &Run| run.engine.to_string() == r.engine.to_string() && run.horizon == r.horizon;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use rattlebench::measure::growth::{Growth, MIN_STEPS, Stretch, Verdict, growth};
-use rattlebench::measure::series::Series;
+use rattlebench::measure::trace::series::Series;
 
 const STEPS: usize = 4000;
 const SEEDS: std::ops::Range<u64> = 7_000_000..7_001_000;

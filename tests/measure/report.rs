@@ -9,9 +9,11 @@ use rattlebench::measure::Horizon;
 use rattlebench::measure::comparison::{Comparison, Progress};
 use rattlebench::mechanics::{System, energy};
 use rattlebench::model::Scene;
+use rattlebench::report::Report;
 use rattlebench::report::charts::CHARTS;
-use rattlebench::report::metrics::METRICS;
-use rattlebench::report::{Report, finding, page, table};
+use rattlebench::report::page::report as page;
+use rattlebench::report::record::metrics::METRICS;
+use rattlebench::report::words::{finding, table};
 
 use crate::common::*;
 
@@ -131,7 +133,7 @@ fn the_structure_of_a_step_is_reported_where_it_is_asked_for() {
 fn a_scene_without_a_finished_run_still_has_a_page() {
     let mut report = compared(&alternating(1), &["rattle"], &[0.01], 0.5);
     let run = &mut report.runs[0];
-    run.outcome = rattlebench::report::record::Outcome::Unsupported;
+    run.outcome = rattlebench::report::record::run::Outcome::Unsupported;
     run.outcome_detail = Some("loops".to_string());
     (run.energy, run.constraint, run.time, run.series) = (None, None, None, None);
     assert!(charts(&report).is_empty());

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use rattlebench::engines::Spec;
 use rattlebench::measure::stability::{Case, Cell, Class, FAMILIES, Family, Finding, Scan};
-use rattlebench::report::stability::StabilityReport;
+use rattlebench::report::record::stability::StabilityReport;
 
 /// A small suite: two families, two engines.
 const SUITE: [&str; 8] =

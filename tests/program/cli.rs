@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use rattlebench::report::Report;
-use rattlebench::report::record::Outcome;
+use rattlebench::report::record::run::Outcome;
 
 const PENDULUM: &str = "models/double_pendulum/scene.json";
 
@@ -297,7 +297,7 @@ fn the_cost_of_a_step_is_told_for_every_engine_and_length() {
     let chains = ["--links", "2", "--links", "1", "--out", text(folder.path())];
     let (stdout, _) = run(&[&["cost", "--engine", "rattle", "--engine", "rapier"], &chains[..]].concat(), 0);
     let json = fs::read_to_string(folder.path().join("cost.json")).expect("written");
-    let cost: rattlebench::report::cost::Cost = serde_json::from_str(&json).expect("a record");
+    let cost: rattlebench::report::record::cost::Cost = serde_json::from_str(&json).expect("a record");
     let points: Vec<(&str, usize)> = cost.points.iter().map(|p| (p.engine.as_str(), p.links)).collect();
     assert_eq!(points, [("rattle", 1), ("rattle", 2), ("rapier", 1), ("rapier", 2)]);
     assert!(cost.points.iter().all(|p| p.us_per_step > 0.0 && p.us_per_step_min <= p.us_per_step_max), "{json}");

@@ -60,7 +60,7 @@ mod statistics;
 
 use serde::{Deserialize, Serialize};
 
-use super::series::Extent;
+use super::trace::series::Extent;
 use statistics::{Line, haar_exponent, power_law, slowness};
 
 /// An energy error of this size, relative to the energy scale, cannot be told from roundoff.

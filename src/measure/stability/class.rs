@@ -200,7 +200,7 @@ impl Late {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::series::Series;
+    use crate::measure::trace::series::Series;
 
     const STEPS: u64 = 4000;
 
@@ -218,7 +218,7 @@ mod tests {
 
     /// The class of a run whose energy error is the constant `energy`.
     fn with(energy: f64, joint_gap: f64, pose_error: Option<f64>) -> Class {
-        let extent = crate::measure::series::Extent { min: energy, max: energy, mean: energy };
+        let extent = crate::measure::trace::series::Extent { min: energy, max: energy, mean: energy };
         let stretches = [Stretch { to: 1.0, count: 10, error: extent }; 10];
         classify(&Evidence { outcome: Some(&Outcome::Completed), energy: &stretches, joint_gap, pose_error })
     }

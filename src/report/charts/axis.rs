@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-use super::super::number::{plain, power_of_ten};
+use crate::report::words::number::{plain, power_of_ten};
 
 /// One axis of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]

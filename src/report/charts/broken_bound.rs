@@ -1,13 +1,14 @@
 //! A run with a bound that it broke: the largest values in `INTERVALS` intervals of time, and the
 //! bound drawn in.
 
-use super::super::number::duration;
-use super::super::record::{Run, Series};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Panel, Words};
 use super::style::{BLUE, Look, Marker, VERMILLION};
 use super::{legend, time_panels};
+use crate::report::record::run::Run;
+use crate::report::record::series::Series;
+use crate::report::words::number::duration;
 
 /// What the chart tells beside the run.
 #[derive(Debug)]

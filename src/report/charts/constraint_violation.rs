@@ -1,9 +1,9 @@
 //! `constraint_violation.png`: how far joints come apart, against time.
 
-use super::super::record::Report;
 use super::Chart;
 use super::canvas::ChartError;
 use super::time_panels::{self, Subject};
+use crate::report::record::report::Report;
 
 pub const CHART: Chart = Chart {
     file: "constraint_violation.png",

@@ -1,14 +1,15 @@
 //! `convergence.png`: joint position error against the step size, with fitted orders and floors.
 
-use super::super::evidence::{Convergence, Sweep};
-use super::super::front::{error, family};
-use super::super::number::{plain, short};
-use super::super::record::{Report, Run};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Label, Panel, Words};
 use super::{Chart, legend, style};
 use crate::measure::convergence::Verdict;
+use crate::report::record::front::{error, family};
+use crate::report::record::report::Report;
+use crate::report::record::run::Run;
+use crate::report::record::sweep::{Convergence, Sweep};
+use crate::report::words::number::{plain, short};
 
 pub const CHART: Chart = Chart {
     file: "convergence.png",

@@ -1,11 +1,11 @@
 //! `cost.png`: processor time a step against the number of links of a chain.
 
-use super::super::cost::{Cost, CostPoint};
-use super::super::number::{duration, plain};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Label, Panel, Words};
 use super::{legend, style};
+use crate::report::record::cost::{Cost, CostPoint};
+use crate::report::words::number::{duration, plain};
 
 pub const FILE: &str = "cost.png";
 

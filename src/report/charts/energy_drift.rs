@@ -1,10 +1,10 @@
 //! `energy_drift.png`: the energy error against time.
 
-use super::super::number::written;
-use super::super::record::Report;
 use super::Chart;
 use super::canvas::ChartError;
 use super::time_panels::{self, Subject};
+use crate::report::record::report::Report;
+use crate::report::words::number::written;
 
 pub const CHART: Chart = Chart {
     file: "energy_drift.png",

@@ -1,11 +1,12 @@
 //! `error_vs_run_time.png`: energy error and joint error against processor time, over the step sizes.
 
-use super::super::number::duration;
-use super::super::record::{Outcome, Report, Run};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Label, Panel, Words};
 use super::{Chart, legend, style};
+use crate::report::record::report::Report;
+use crate::report::record::run::{Outcome, Run};
+use crate::report::words::number::duration;
 
 pub const CHART: Chart = Chart {
     file: "error_vs_run_time.png",

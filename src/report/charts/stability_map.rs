@@ -3,12 +3,12 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::number::{compact, duration, plain};
-use super::super::stability::record::{CellRecord, FamilyRecord, ScanRecord};
 use super::canvas::{self, Area, ChartError};
 use super::legend;
 use super::style::{self, BLACK, BLUE, GREY, GRID, INK, ORANGE, PURPLE, VERMILLION, WIDTH, at, px};
 use crate::measure::stability::Class;
+use crate::report::record::stability::{CellRecord, FamilyRecord, ScanRecord};
+use crate::report::words::number::{compact, duration, plain};
 
 const LEFT: u32 = 24;
 /// Room for the words of the steps.

@@ -1,11 +1,12 @@
 //! `structure.png`: symplecticity and reversibility defects of a few steps over the step sizes.
 
-use super::super::number::duration;
-use super::super::record::{Report, Run};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Panel, Words};
 use super::{Chart, legend, style};
+use crate::report::record::report::Report;
+use crate::report::record::run::Run;
+use crate::report::words::number::duration;
 
 pub const CHART: Chart = Chart {
     file: "structure.png",

@@ -1,11 +1,13 @@
 //! A quantity against time for every engine: one panel for each of a few step sizes, from coarse to fine, side by side.
 
-use super::super::number::{duration, plain};
-use super::super::record::{Outcome, Report, Run, Series};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Panel, Words};
 use super::{legend, style};
+use crate::report::record::report::Report;
+use crate::report::record::run::{Outcome, Run};
+use crate::report::record::series::Series;
+use crate::report::words::number::{duration, plain};
 
 /// Smallest value shown, a power of ten: below the roundoff of doubles.
 const FLOOR: i32 = -18;

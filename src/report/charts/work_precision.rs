@@ -1,14 +1,15 @@
 //! `work_precision.png`: joint position error against processor time for every setting that was tried, and the fronts of
 //! the settings that no other of the same engine beats.
 
-use super::super::front::{self, cost, error, family};
-use super::super::number::{duration, plain};
-use super::super::record::{Report, Run};
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::panel::{Label, Panel, Words};
 use super::style::BEST_OF_RAPIER;
 use super::{Chart, legend, style};
+use crate::report::record::front::{self, cost, error, family};
+use crate::report::record::report::Report;
+use crate::report::record::run::Run;
+use crate::report::words::number::{duration, plain};
 
 pub const CHART: Chart = Chart {
     file: "work_precision.png",

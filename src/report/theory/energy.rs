@@ -6,10 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::energy_of_particle};
-use super::super::page::Picture;
 use super::{Data, Section, Topic};
 use crate::discrete::figures::{EnergyFigure, conservative_particle, dissipative_particle};
 use crate::discrete::solve::SolveError;
+use crate::report::page::document::Picture;
 
 pub(super) const FIGURE_1: Topic = Topic {
     name: "figure1",

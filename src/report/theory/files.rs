@@ -9,10 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::charts::ChartError;
-use super::super::files::{WriteError, prepare, write_whole};
-use super::super::record::Versions;
-use super::super::{environment, page};
 use super::{Data, Section, TOPICS, Topic};
+use crate::report::folder::files::{WriteError, prepare, write_whole};
+use crate::report::page::document as page;
+use crate::report::record::environment;
+use crate::report::record::environment::Versions;
 
 /// Name and version of the JSON files.
 pub const FILE_SCHEMA: &str = "rattlebench/theory/1";

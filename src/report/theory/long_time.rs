@@ -6,12 +6,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::long_time};
-use super::super::number::{short, written};
-use super::super::page::Picture;
 use super::{Data, Section, Table, Topic};
 use crate::discrete::figures::{LongTimeRow, long_time_row, runge_kutta_row};
 use crate::discrete::methods::METHODS;
 use crate::discrete::solve::SolveError;
+use crate::report::page::document::Picture;
+use crate::report::words::number::{short, written};
 
 pub(super) const TOPIC: Topic = Topic {
     name: "long-time",

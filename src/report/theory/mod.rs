@@ -16,7 +16,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::charts::ChartError;
-use super::page::Picture;
+use super::page::document::Picture;
 use crate::discrete::solve::SolveError;
 
 pub use energy::{CurveRecord, EnergyRecord};

@@ -10,12 +10,12 @@ use super::super::charts::{
     ChartError,
     theory::{convergence, order_table},
 };
-use super::super::number::{plain, two_decimals};
-use super::super::page::Picture;
 use super::{Data, Section, Table, Topic, cell, finite};
 use crate::discrete::methods::METHODS;
 use crate::discrete::order::{OrderRow, Orders, order_row, problems};
 use crate::discrete::solve::SolveError;
+use crate::report::page::document::Picture;
+use crate::report::words::number::{plain, two_decimals};
 
 pub(super) const TOPIC: Topic = Topic {
     name: "orders",

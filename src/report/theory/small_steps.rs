@@ -6,12 +6,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::charts::{ChartError, theory::small_steps};
-use super::super::number::{short, written};
-use super::super::page::Picture;
 use super::{Data, Section, Table, Topic};
 use crate::discrete::order::problems;
 use crate::discrete::solve::SolveError;
 use crate::discrete::tangent;
+use crate::report::page::document::Picture;
+use crate::report::words::number::{short, written};
 
 pub(super) const TOPIC: Topic = Topic {
     name: "small-steps",

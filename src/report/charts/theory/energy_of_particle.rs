@@ -6,7 +6,7 @@ use super::super::canvas::{self, ChartError};
 use super::super::panel::{Panel, Words};
 use super::super::style::{BLACK, BLUE, Look, Marker, VERMILLION};
 use super::super::{legend, style};
-use crate::report::number::plain;
+use crate::report::words::number::plain;
 
 /// The truth, the variational method, RK4.
 const LOOKS: [Look; 3] = [

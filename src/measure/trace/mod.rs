@@ -1,0 +1,9 @@
+//! One traced run of an engine: energy, joint residuals, momentum and positions from the state after every step.
+
+mod probe;
+mod running_integral;
+pub mod series;
+pub mod turn_per_step;
+mod work;
+
+pub use probe::*;

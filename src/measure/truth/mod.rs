@@ -1,0 +1,7 @@
+//! The trajectory that runs are judged by, and the position errors of a run against it.
+
+pub mod accuracy;
+mod find;
+pub mod trusted;
+
+pub use find::find;

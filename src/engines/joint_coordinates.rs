@@ -3,7 +3,7 @@
 use super::{Spec, StepFailure, Unsupported};
 use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
-use crate::reduced::articulated::Articulated;
+use crate::reduced::equations::Articulated;
 
 /// What the equations in joint coordinates hold beside the tree.
 pub(super) const PARTS: &[Part] = &[Part::JointSprings, Part::PointSprings, Part::Drives];

@@ -1,6 +1,6 @@
 //! The way to the truth: dense equations of motion in joint coordinates, integrated at a tolerance near roundoff.
 //!
-//! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`reduced::recursive`]), integrated by the
+//! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`Dynamics`]), integrated by the
 //! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.10)
 //! of the crate `differential-equations`. Neither shares code with the variational core. Loops and mimic joints are held by
 //! the least force that does, and positions and velocities are taken back to the constraint manifold after each accepted
@@ -8,8 +8,6 @@
 //!
 //! The crate allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
 //! accuracy and is no rival in speed. `dop853` is.
-//!
-//! [`reduced::recursive`]: crate::reduced::recursive
 
 use std::cell::RefCell;
 
@@ -19,7 +17,7 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use super::{Engine, Entry, Spec, StepFailure, Unsupported};
 use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
-use crate::reduced::recursive::Dynamics;
+use crate::reduced::equations::Dynamics;
 
 /// Relative and absolute tolerance of the reference, and the looser one that it is compared with.
 pub const TOLERANCE: f64 = 1e-14;

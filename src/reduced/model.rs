@@ -1,45 +1,15 @@
-//! Links and their joint coordinates.
+//! A tree of links in joint coordinates.
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use super::linear;
-use super::loops::Closure;
-use super::place::matrix;
-use super::real::Real;
-use super::springs::Spring;
+use super::closure::Closure;
+use super::link::Link;
+use super::number::linear;
+use super::number::quaternion::{matrix, rotation, turning};
+use super::number::real::Real;
+use super::spring::Spring;
 use crate::mechanics::coordinates::JointCoordinates;
-use crate::mechanics::{BodyState, Coupling, Drive, JointKind, State, System};
-
-/// A body seen from its *link frame*, which is the joint frame fixed in the child. Constant over a run.
-#[derive(Clone, Debug)]
-pub struct Link {
-    pub parent: Option<usize>,
-    pub kind: JointKind,
-    /// Pose of the joint frame fixed in the parent, in the parent's link frame (in the world for the ground).
-    pub in_parent: Isometry3<f64>,
-    /// The rotation of `in_parent` as a matrix.
-    pub parent_axes: Matrix3<f64>,
-    /// Pose of the body frame (centre of mass, principal axes) in the link frame.
-    pub body: Isometry3<f64>,
-    /// kg
-    pub mass: f64,
-    /// `m c` with the centre of mass `c` in the link frame, kg m.
-    pub first_moment: Vector3<f64>,
-    /// Inertia about the origin of the link frame, in its axes, kg m^2.
-    pub inertia: Matrix3<f64>,
-    /// Mass of the link and of all links beyond it, kg.
-    pub mass_beyond: f64,
-    /// N m s/rad or N s/m, for each velocity.
-    pub damping: f64,
-    /// Springs in a joint of one coordinate: the effort is `spring_effort - stiffness q`, in N m/rad and N m, or N/m and N.
-    pub stiffness: f64,
-    pub spring_effort: f64,
-    /// In a joint of one coordinate.
-    pub drives: Vec<Drive>,
-    /// First position and first velocity of the joint.
-    pub position: usize,
-    pub velocity: usize,
-}
+use crate::mechanics::{BodyState, Coupling, JointKind, State, System};
 
 /// A tree of links in joint coordinates, with dampers, springs and drives in the joints and springs between points.
 ///
@@ -74,20 +44,6 @@ const fn positions_of(kind: JointKind) -> usize {
         JointKind::Planar => 3,
         JointKind::Spherical => 4,
         JointKind::Floating => 7,
-    }
-}
-
-impl Link {
-    /// What springs and drives exert in a joint of one coordinate `q` at a time in s.
-    #[inline(always)]
-    pub(super) fn held(&self, time: f64, q: f64) -> f64 {
-        self.spring_effort - self.stiffness * q + self.driven(time)
-    }
-
-    /// What drives exert in a joint of one coordinate at a time in s.
-    #[inline(always)]
-    pub(super) fn driven(&self, time: f64) -> f64 {
-        self.drives.iter().map(|drive| drive.at(time)).sum()
     }
 }
 
@@ -305,26 +261,4 @@ impl Model {
             JointKind::Floating => (Vector3::new(v[0], v[1], v[2]), Vector3::new(v[3], v[4], v[5])),
         }
     }
-}
-
-/// The rotation of a quaternion `(x, y, z, w)` of any length.
-fn rotation(q: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_normalize(Quaternion::new(q[3], q[0], q[1], q[2]))
-}
-
-/// `1/2 q (0, omega)` as `(x, y, z, w)`.
-fn turning<T: Real>(q: &[T], omega: &[T], out: &mut [T]) {
-    let rate = product(&[q[0], q[1], q[2], q[3]], &[omega[0], omega[1], omega[2], T::zero()]);
-    out.iter_mut().zip(rate).for_each(|(out, rate)| *out = T::of(0.5) * rate);
-}
-
-/// The product of two quaternions `(x, y, z, w)`.
-#[inline(always)]
-pub(super) fn product<T: Real>(a: &[T; 4], b: &[T; 4]) -> [T; 4] {
-    [
-        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
-        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
-        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
-    ]
 }

@@ -8,8 +8,8 @@ use rattlebench::mechanics::coordinates::{JointCoordinates, joint_coordinates};
 use rattlebench::mechanics::{Anchor, Drive, JointKind, JointSpring, PointSpring, State, System, energy};
 use rattlebench::model;
 use rattlebench::reduced::Model;
-use rattlebench::reduced::articulated::Articulated;
-use rattlebench::reduced::recursive::Dynamics;
+use rattlebench::reduced::equations::Articulated;
+use rattlebench::reduced::equations::Dynamics;
 
 use crate::common::*;
 

@@ -4,9 +4,10 @@
 //! [`super`], and what (3) lacks is taken away by Newton's method. Its linear systems are solved by GMRES, with differences
 //! in the place of derivatives, preconditioned by the mass matrices of the stages.
 
-use super::{Batch, Galerkin, NEGLIGIBLE, ROUNDOFF, everywhere};
-use crate::reduced::krylov::Krylov;
-use crate::reduced::real::Lanes;
+use super::batch::{Batch, everywhere};
+use super::integrator::{Galerkin, NEGLIGIBLE, ROUNDOFF};
+use super::newton::Newton;
+use crate::reduced::number::real::Lanes;
 
 /// Solutions by Newton's method at parts of the step before it is given up.
 const MOST_PARTS: usize = 40;
@@ -19,35 +20,6 @@ const LINEAR: f64 = 1e-4;
 const DIFFERENCE: f64 = 1e-7;
 /// Rounds that settle the quaternions at given velocities.
 const SETTLING: usize = 60;
-
-/// Room for Newton's method: velocities and momenta of all stages, one stage after the other.
-#[derive(Clone, Debug)]
-pub(super) struct Newton {
-    krylov: Krylov,
-    u: Vec<f64>,
-    /// `u` of the longest part of the step that was solved.
-    reached: Vec<f64>,
-    /// What (3) lacks, as corrections of the velocities and as momenta.
-    correction: Vec<f64>,
-    lacking: Vec<f64>,
-    first: Vec<f64>,
-    first_lacking: Vec<f64>,
-}
-
-impl Newton {
-    pub(super) fn new(width: usize) -> Newton {
-        let room = || vec![0.0; width];
-        Newton {
-            krylov: Krylov::new(width),
-            u: room(),
-            reached: room(),
-            correction: room(),
-            lacking: room(),
-            first: room(),
-            first_lacking: room(),
-        }
-    }
-}
 
 impl Batch {
     /// `u`, moved by `size` along a direction if there is one, for the stages.

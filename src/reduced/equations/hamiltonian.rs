@@ -23,19 +23,22 @@
 
 use std::sync::Arc;
 
-use super::Model;
-use super::linear::{Matrix3, Vector3};
-use super::model::{Link, product};
-use super::place::{Hold, Place, matrix, relative_twist};
-use super::real::{Lanes, Real};
-use super::spatial::{Elimination, Inertia, Spatial};
-use super::springs::Seen;
-use super::turn::Turn;
 use crate::mechanics::JointKind;
+use crate::reduced::elimination::Elimination;
+use crate::reduced::frame::{Hold, Place, relative_twist};
+use crate::reduced::inertia::Inertia;
+use crate::reduced::link::Link;
+use crate::reduced::model::Model;
+use crate::reduced::number::linear::{Matrix3, Vector3};
+use crate::reduced::number::quaternion::{four, half_turn, lift, matrix, product, pure};
+use crate::reduced::number::real::{Lanes, Real};
+use crate::reduced::number::turn::Turn;
+use crate::reduced::spatial::Spatial;
+use crate::reduced::spring::Seen;
 
 /// What a link keeps in all lanes: spread out once and not at every use.
 #[derive(Clone, Debug)]
-pub(super) struct Kept {
+pub(in crate::reduced) struct Kept {
     hold: Hold<Lanes>,
     mass: Lanes,
     mass_beyond: Lanes,
@@ -46,7 +49,7 @@ pub(super) struct Kept {
 
 impl Kept {
     /// For all links of a model.
-    pub(super) fn all(model: &Model) -> Arc<[Kept]> {
+    pub(in crate::reduced) fn all(model: &Model) -> Arc<[Kept]> {
         let kept = |link: &Link| Kept {
             hold: Hold::of(link),
             mass: Lanes::of(link.mass),
@@ -61,7 +64,7 @@ impl Kept {
 
 /// The equations at points of the phase space, as many as there are lanes.
 #[derive(Clone, Debug)]
-pub(super) struct Point {
+pub(in crate::reduced) struct Point {
     kept: Arc<[Kept]>,
     /// Angles of turning joints with their sines.
     turns: Vec<Turn>,
@@ -82,7 +85,7 @@ pub(super) struct Point {
 }
 
 impl Point {
-    pub(super) fn new(model: &Model, kept: &Arc<[Kept]>) -> Point {
+    pub(in crate::reduced) fn new(model: &Model, kept: &Arc<[Kept]>) -> Point {
         let n = model.links.len();
         let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
@@ -102,7 +105,7 @@ impl Point {
     }
 
     /// Axes and offsets of the links.
-    pub(super) fn place(&mut self, model: &Model, q: &[Lanes]) {
+    pub(in crate::reduced) fn place(&mut self, model: &Model, q: &[Lanes]) {
         for (i, link) in model.links.iter().enumerate() {
             let (above, rest) = self.places.split_at_mut(i);
             let ground = Matrix3::identity();
@@ -116,7 +119,7 @@ impl Point {
     /// Momentum `m = H(q) u` and force of every joint at times in s, both along its velocities: what `pdot` has beside the turning of a
     /// quaternion. Lengths of planar and free joints have their force in the axes of the joint frame in the parent. The links
     /// have been placed at `q`.
-    pub(super) fn evaluate(
+    pub(in crate::reduced) fn evaluate(
         &mut self,
         model: &Model,
         time: Lanes,
@@ -215,7 +218,7 @@ impl Point {
 
     /// Factorises the mass matrix at the positions that the links were placed at last. `None` where a joint can move without moving
     /// any mass.
-    pub(super) fn factorise(&mut self, model: &Model) -> Option<()> {
+    pub(in crate::reduced) fn factorise(&mut self, model: &Model) -> Option<()> {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.places[i].r;
             self.inertias[i] =
@@ -233,20 +236,20 @@ impl Point {
     }
 
     /// Solves `H u = m` in place, with `H` as factorised last.
-    pub(super) fn solve(&mut self, model: &Model, u: &mut [Lanes]) {
+    pub(in crate::reduced) fn solve(&mut self, model: &Model, u: &mut [Lanes]) {
         self.begin();
         model.links.iter().enumerate().rev().for_each(|(i, link)| self.inward(i, link, u));
         model.links.iter().enumerate().for_each(|(i, link)| self.outward(i, link, u));
     }
 
     /// [`Self::solve`] link by link: what comes before its way to the root.
-    pub(super) fn begin(&mut self) {
+    pub(in crate::reduced) fn begin(&mut self) {
         self.sums.fill(Spatial::zero());
     }
 
     /// One link of the way to the root.
     #[inline(always)]
-    pub(super) fn inward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+    pub(in crate::reduced) fn inward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
         let passed = self.eliminations[i].inward(&mut u[link.velocity..], &self.sums[i]);
         if let Some(parent) = link.parent {
             self.sums[parent] += passed.wrench_from(&self.offsets[i]);
@@ -255,7 +258,7 @@ impl Point {
 
     /// One link of the way from the root.
     #[inline(always)]
-    pub(super) fn outward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
+    pub(in crate::reduced) fn outward(&mut self, i: usize, link: &Link, u: &mut [Lanes]) {
         let above = link.parent.map_or(Spatial::zero(), |p| self.sums[p]);
         self.sums[i] = self.eliminations[i].outward(&mut u[link.velocity..], &above.twist_at(&self.offsets[i]));
     }
@@ -269,7 +272,7 @@ fn held(link: &Link, time: Lanes, q: Lanes) -> Lanes {
 }
 
 /// Momenta along the velocities from the canonical ones.
-pub(super) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut [T]) {
+pub(in crate::reduced) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut [T]) {
     if model.plain {
         return m.copy_from_slice(p);
     }
@@ -292,7 +295,7 @@ pub(super) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &[T], m: &mut
 }
 
 /// Canonical momenta that give the momenta `m` along the velocities, with `q . p = 0`: `p = 2 q m / |q|^2`.
-pub(super) fn canonical<T: Real>(model: &Model, q: &[T], m: &[T], p: &mut [T]) {
+pub(in crate::reduced) fn canonical<T: Real>(model: &Model, q: &[T], m: &[T], p: &mut [T]) {
     for link in &model.links {
         let (q, m, p) = (&q[link.position..], &m[link.velocity..], &mut p[link.position..]);
         match link.kind {
@@ -312,7 +315,14 @@ pub(super) fn canonical<T: Real>(model: &Model, q: &[T], m: &[T], p: &mut [T]) {
 }
 
 /// `pdot` from the forces of [`Point::evaluate`].
-pub(super) fn momentum_rates<T: Real>(model: &Model, q: &[T], p: &[T], u: &[T], force: &[T], rate: &mut [T]) {
+pub(in crate::reduced) fn momentum_rates<T: Real>(
+    model: &Model,
+    q: &[T],
+    p: &[T],
+    u: &[T],
+    force: &[T],
+    rate: &mut [T],
+) {
     let turn = |q: &[T], p: &[T], u: &[T], tau: &[T], rate: &mut [T]| {
         lift(q, tau, rate);
         let turned = product(&four(p), &pure(u));
@@ -331,25 +341,4 @@ pub(super) fn momentum_rates<T: Real>(model: &Model, q: &[T], p: &[T], u: &[T], 
             }
         }
     }
-}
-
-/// `2 q m / |q|^2`
-fn lift<T: Real>(q: &[T], m: &[T], out: &mut [T]) {
-    let q = four(q);
-    let factor = T::of(2.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    out.iter_mut().zip(product(&q, &pure(m))).for_each(|(out, found)| *out = factor * found);
-}
-
-/// `1/2 vec(q^* p)`.
-fn half_turn<T: Real>(q: &[T], p: &[T], m: &mut [T]) {
-    let turned = product(&[-q[0], -q[1], -q[2], q[3]], &four(p));
-    m.iter_mut().zip(turned).for_each(|(m, turned)| *m = T::of(0.5) * turned);
-}
-
-fn four<T: Real>(q: &[T]) -> [T; 4] {
-    [q[0], q[1], q[2], q[3]]
-}
-
-fn pure<T: Real>(v: &[T]) -> [T; 4] {
-    [v[0], v[1], v[2], T::zero()]
 }

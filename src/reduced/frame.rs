@@ -1,8 +1,9 @@
 //! Where a link is, in world axes, from the place of its parent.
 
-use super::linear::{Matrix3, Vector3};
-use super::model::Link;
-use super::real::Real;
+use super::link::Link;
+use super::number::linear::{Matrix3, Vector3};
+use super::number::quaternion::matrix;
+use super::number::real::Real;
 use super::spatial::Spatial;
 use crate::mechanics::JointKind;
 
@@ -70,18 +71,6 @@ impl<T: Real> Place<T> {
 fn about_z<T: Real>(axes: &Matrix3<T>, (s, c): (T, T)) -> Matrix3<T> {
     let [x, y, z] = axes.columns;
     Matrix3::from_columns([x * c + y * s, y * c - x * s, z])
-}
-
-/// The rotation of a quaternion `(x, y, z, w)` of any length.
-#[inline(always)]
-pub(super) fn matrix<T: Real>(q: &[T]) -> Matrix3<T> {
-    let (x, y, z, w) = (q[0], q[1], q[2], q[3]);
-    let (one, s) = (T::one(), T::of(2.0) / (x * x + y * y + z * z + w * w));
-    Matrix3::from_columns([
-        Vector3::new(one - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)),
-        Vector3::new(s * (x * y - w * z), one - s * (x * x + z * z), s * (y * z + w * x)),
-        Vector3::new(s * (x * z + w * y), s * (y * z - w * x), one - s * (x * x + y * y)),
-    ])
 }
 
 /// Relative twist of a link against its parent at its joint point, world axes. `v` begins with the link's velocities.

@@ -21,58 +21,15 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
 
-use super::Model;
-use super::model::Link;
-use crate::mechanics::{self, Coupling};
-use crate::model::scene::LoopKind;
+use crate::mechanics::Coupling;
+use crate::reduced::closure::Closure;
+use crate::reduced::model::Model;
 
 /// The least singular value that counts, over the largest: below it the linkage is where its path may fork.
 const SINGULAR: f64 = 1e-9;
 
 /// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in six to ten.
 const SWEEPS: usize = 40;
-
-/// A joint that closes a loop between two links; `None` is the ground.
-#[derive(Clone, Debug)]
-pub struct Closure {
-    pub name: String,
-    kind: LoopKind,
-    parent: Option<usize>,
-    child: Option<usize>,
-    /// Pose of the joint frame in the link frames (in the world for the ground).
-    in_parent: Isometry3<f64>,
-    in_child: Isometry3<f64>,
-}
-
-impl Closure {
-    pub(super) fn new(closure: &mechanics::Closure, links: &[Link]) -> Closure {
-        let in_link = |body: Option<usize>, pose: Isometry3<f64>| body.map_or(pose, |b| links[b].body * pose);
-        Closure {
-            name: closure.name.clone(),
-            kind: closure.kind,
-            parent: closure.parent,
-            child: closure.child,
-            in_parent: in_link(closure.parent, closure.in_parent),
-            in_child: in_link(closure.child, closure.in_child),
-        }
-    }
-
-    /// The locked rows: axes of `d`, and index pairs of `Q`.
-    fn locked(&self) -> (&'static [usize], &'static [(usize, usize)]) {
-        const TURNS: &[(usize, usize)] = &[(1, 2), (2, 0), (0, 1)];
-        match self.kind {
-            LoopKind::Revolute => (&[0, 1, 2], &[(0, 2), (1, 2)]),
-            LoopKind::Spherical => (&[0, 1, 2], &[]),
-            LoopKind::Prismatic => (&[0, 1], TURNS),
-            LoopKind::Fixed => (&[0, 1, 2], TURNS),
-        }
-    }
-
-    fn rows(&self) -> usize {
-        let (lengths, turns) = self.locked();
-        lengths.len() + turns.len()
-    }
-}
 
 /// A frame in world axes: where it is, how it moves, and its accelerations at constant joint velocities.
 #[derive(Clone, Copy, Debug)]

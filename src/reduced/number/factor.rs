@@ -1,24 +1,23 @@
 //! Small symmetric positive definite systems.
 
-use super::real::Real;
-use super::spatial::reciprocal;
+use super::real::{Real, reciprocal};
 
 /// `A = L D L^T` with a unit lower triangular `L`.
 #[derive(Clone, Debug)]
-pub(super) struct Factor<T: Real, const N: usize> {
+pub(in crate::reduced) struct Factor<T: Real, const N: usize> {
     /// Below the diagonal `L`.
     l: [[T; N]; N],
     over_d: [T; N],
 }
 
 impl<T: Real, const N: usize> Factor<T, N> {
-    pub(super) fn identity() -> Factor<T, N> {
+    pub(in crate::reduced) fn identity() -> Factor<T, N> {
         Factor { l: [[T::zero(); N]; N], over_d: [T::one(); N] }
     }
 
     /// Of the matrix with the given entries, of which those on and below the diagonal are asked for. `None` where it is not
     /// positive definite or not a number.
-    pub(super) fn new(entry: impl Fn(usize, usize) -> T) -> Option<Factor<T, N>> {
+    pub(in crate::reduced) fn new(entry: impl Fn(usize, usize) -> T) -> Option<Factor<T, N>> {
         let mut factor = Factor::identity();
         let mut d = [T::zero(); N];
         for i in 0..N {
@@ -38,7 +37,7 @@ impl<T: Real, const N: usize> Factor<T, N> {
     }
 
     /// `A^-1 b`
-    pub(super) fn solve(&self, mut b: [T; N]) -> [T; N] {
+    pub(in crate::reduced) fn solve(&self, mut b: [T; N]) -> [T; N] {
         for i in 0..N {
             for j in 0..i {
                 let known = b[j];

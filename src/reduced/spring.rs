@@ -5,9 +5,9 @@
 
 use nalgebra::Vector3 as Constant;
 
-use super::linear::{Matrix3, Vector3};
-use super::model::Link;
-use super::real::Real;
+use super::link::Link;
+use super::number::linear::{Matrix3, Vector3};
+use super::number::real::Real;
 use super::spatial::Spatial;
 use crate::mechanics::{Anchor, PointSpring};
 

@@ -11,10 +11,10 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::Model;
-use super::linear;
 use super::loops::Loops;
-use super::springs::End;
+use crate::reduced::model::Model;
+use crate::reduced::number::linear;
+use crate::reduced::spring::End;
 
 /// A twist (linear, angular) at the origin of a link frame, or a wrench (force, torque) about it, in link axes.
 type Pair = (Vector3<f64>, Vector3<f64>);

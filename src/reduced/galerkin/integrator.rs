@@ -1,214 +1,50 @@
-//! The Galerkin variational integrator of Marsden and West (2001), section 2.6.6, in joint coordinates.
-//!
-//! The action over a step is taken on the polynomials of degree `s` with Gauss-Legendre quadrature at `s` points; its
-//! discrete Hamiltonian map is Gauss collocation of Hamilton's equations. With stage velocities `u_i` the stages satisfy
-//!
-//! ```text
-//! q_i = q0 + sum_j mu_ij h b_j qdot(q_j, u_j)                                   (1)
-//! p_i = p0 + sum_j mu_ij h b_j pdot(q_j, p_j, u_j)                              (2)
-//! m(q_i, p_i) = H(q_i) u_i                                                      (3)
-//! q1  = q0 + sum_j h b_j qdot_j ,    p1 = p0 + sum_j h b_j pdot_j               (4)
-//! ```
-//!
-//! The stages are predicted one `LANES` of them after the other, by the explicit Adams method on the nodes before them,
-//! those of the last step included: a node is much nearer to the next than a step is long, so the prediction errs far less
-//! than an extrapolation over the whole step. Then (3) is solved for the corrections of the `u_i` with the mass matrix that
-//! was factorised at the predicted stage; each further round costs two sweeps of vectors over the tree and no factorisation.
-//! The rounds go on until what they leave would be lost in roundoff; `q` and `p` are compensated sums. What is iterated to
-//! the end does not depend on where it started, so the prediction takes nothing from symmetry and symplecticity.
-//!
-//! Over a long step the rounds may be no contraction, whatever their start. Then the stages are continued from those of shorter
-//! steps, by Newton's method on (3) with the positions and momenta of (1) and (2) as functions of the velocities.
-//!
-//! Symplectic, time-reversible, of order `2 s`; keeps joints exactly and momenta that are bilinear in `q` and `p`, among
-//! them the angular momentum of a free body; does not conserve energy, whose error stays bounded. Springs between points add to
-//! the potential, and drives a potential `-f(t) q` at the times of the stages. Damping, in joints and beside springs, enters by
-//! the Lagrange-d'Alembert principle.
-
-mod continuation;
-
-use std::sync::Arc;
+//! The integrator: its step, and the rounds that find the stages.
 
 use super::adams::{Adams, Rates};
+use super::batch::{Batch, everywhere, largest};
+use super::failure::Failure;
 use super::gauss::Gauss;
-use super::hamiltonian::{Kept, Point, along_velocities, canonical, momentum_rates};
-use super::real::{LANES, Lanes, Real};
-use super::{Model, compensated::Compensated};
+use super::newton::Newton;
 use crate::mechanics::State;
-use continuation::Newton;
+use crate::reduced::equations::hamiltonian::{Kept, canonical, momentum_rates};
+use crate::reduced::model::Model;
+use crate::reduced::number::compensated::Compensated;
+use crate::reduced::number::real::{LANES, Lanes, Real};
 
-const MOST_ROUNDS: usize = 60;
+pub(super) const MOST_ROUNDS: usize = 60;
 /// Corrections of the velocities, in units of those that hold the scene's energy, that no longer count: a third of the roundoff
 /// in a round. Over 2000 s of two spatial links (4 to 8 stages, 10 and 20 ms) the energy errors by 1.1e-13 to 8.2e-13, with a
 /// tenth of it by 3.0e-13 to 6.2e-13.
-const NEGLIGIBLE: f64 = 3e-16;
+pub(super) const NEGLIGIBLE: f64 = 3e-16;
 /// Corrections that are larger show how fast the rounds converge; smaller ones have roundoff in them.
-const CLEAN: f64 = 3e-14;
+pub(super) const CLEAN: f64 = 3e-14;
 /// Size below which a correction that does not shrink any more is roundoff.
-const ROUNDOFF: f64 = 1e-12;
-
-/// Why a step could not be taken; the integrator stays where it was.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Failure {
-    /// The rounds did not reach roundoff, nor did Newton's method; the last correction of the rounds in units of the velocities
-    /// that hold the scene's energy.
-    NotConverged { rounds: usize, correction: f64 },
-    /// After these rounds the stages were no numbers any more, and Newton's method found none either.
-    RanAway { rounds: usize },
-    /// A joint can move without moving any mass, or the stages ran away before the first round.
-    Singular,
-}
+pub(super) const ROUNDOFF: f64 = 1e-12;
 
 /// The integrator at a fixed step.
 #[derive(Clone, Debug)]
 pub struct Galerkin {
-    model: Model,
-    gauss: Gauss,
-    adams: Adams,
+    pub(super) model: Model,
+    pub(super) gauss: Gauss,
+    pub(super) adams: Adams,
     /// Nodes that the next prediction uses.
-    order: usize,
+    pub(super) order: usize,
     /// s
-    step: f64,
-    taken: u64,
-    over_scale: f64,
-    q: Compensated,
-    p: Compensated,
-    u: Vec<f64>,
-    batches: Vec<Batch>,
+    pub(super) step: f64,
+    pub(super) taken: u64,
+    pub(super) over_scale: f64,
+    pub(super) q: Compensated,
+    pub(super) p: Compensated,
+    pub(super) u: Vec<f64>,
+    pub(super) batches: Vec<Batch>,
     /// `h b_j qdot_j` and `h b_j pdot_j`, stage by stage: of this step and of the one before.
-    q_rates: Rates,
-    p_rates: Rates,
-    end: Batch,
+    pub(super) q_rates: Rates,
+    pub(super) p_rates: Rates,
+    pub(super) end: Batch,
     /// `q` and `p` at the start of a step, in case that its end has no velocities.
-    start: [Compensated; 2],
-    newton: Newton,
-    rounds: u64,
-}
-
-/// As many stages as there are lanes: positions, momenta and velocities, and what the equations say there. Where the stages
-/// run out, the last one fills the rest.
-#[derive(Clone, Debug)]
-struct Batch {
-    point: Point,
-    /// First stage, and how many there are.
-    first: usize,
-    count: usize,
-    /// `h b` and `mu_ij` for every stage `j`.
-    h_b: Lanes,
-    mu: Vec<Lanes>,
-    /// s
-    time: Lanes,
-    q: Vec<Lanes>,
-    p: Vec<Lanes>,
-    u: Vec<Lanes>,
-    m: Vec<Lanes>,
-    force: Vec<Lanes>,
-    /// What (3) lacks, and the correction that follows from it.
-    right: Vec<Lanes>,
-    /// `h b qdot` or `h b pdot`.
-    rate: Vec<Lanes>,
-}
-
-impl Batch {
-    fn new(model: &Model, kept: &Arc<[Kept]>, gauss: &Gauss, step: f64, first: usize) -> Batch {
-        let (positions, velocities) =
-            (|| vec![Lanes::of(0.0); model.positions], || vec![Lanes::of(0.0); model.velocities]);
-        let s = gauss.stages();
-        let stage = |k: usize| (first + k).min(s - 1);
-        Batch {
-            point: Point::new(model, kept),
-            first,
-            count: LANES.min(s - first),
-            h_b: Lanes::from_fn(|k| gauss.weights[stage(k)] * step),
-            mu: (0..s).map(|j| Lanes::from_fn(|k| gauss.mu[stage(k) * s + j])).collect(),
-            time: Lanes::of(0.0),
-            q: positions(),
-            p: positions(),
-            u: velocities(),
-            m: velocities(),
-            force: velocities(),
-            right: velocities(),
-            rate: positions(),
-        }
-    }
-
-    /// The stage in a lane.
-    fn stage(&self, lane: usize) -> usize {
-        self.first + lane.min(self.count - 1)
-    }
-
-    fn evaluate(&mut self, model: &Model) {
-        self.point.evaluate(model, self.time, &self.q, &self.u, &mut self.m, &mut self.force);
-    }
-
-    /// Links, mass matrix and velocities from positions and momenta.
-    fn move_along(&mut self, model: &Model) -> Result<(), Failure> {
-        self.point.place(model, &self.q);
-        self.point.factorise(model).ok_or(Failure::Singular)?;
-        along_velocities(model, &self.q, &self.p, &mut self.u);
-        self.point.solve(model, &mut self.u);
-        Ok(())
-    }
-
-    /// Hands out `h b qdot`.
-    fn position_steps(&mut self, model: &Model, out: &mut Rates) {
-        if model.plain {
-            return self.hand_out(&self.u, out);
-        }
-        model.rates(&self.q, &self.u, &mut self.rate);
-        self.hand_out(&self.rate, out);
-    }
-
-    /// Hands out `h b pdot`.
-    fn momentum_steps(&mut self, model: &Model, out: &mut Rates) {
-        if model.plain {
-            return self.hand_out(&self.force, out);
-        }
-        momentum_rates(model, &self.q, &self.p, &self.u, &self.force, &mut self.rate);
-        self.hand_out(&self.rate, out);
-    }
-
-    fn hand_out(&self, rates: &[Lanes], out: &mut Rates) {
-        for lane in 0..self.count {
-            for (step, rate) in out.stage_mut(self.first + lane).iter_mut().zip(rates) {
-                *step = (*rate * self.h_b).numbers()[lane];
-            }
-        }
-    }
-
-    /// What (3) lacks in `m` and in `right`.
-    fn residual(&mut self, model: &Model) {
-        along_velocities(model, &self.q, &self.p, &mut self.right);
-        for (m, right) in self.m.iter_mut().zip(&mut self.right) {
-            *right -= *m;
-            *m = *right;
-        }
-    }
-
-    /// Takes the corrections in `right`. Returns the largest of the stages, squared, as an energy in J.
-    fn take(&mut self) -> f64 {
-        let mut work = Lanes::of(0.0);
-        for ((u, residual), correction) in self.u.iter_mut().zip(&self.m).zip(&self.right) {
-            *u += *correction;
-            work += *residual * *correction;
-        }
-        work.numbers().into_iter().fold(0.0, largest)
-    }
-
-    /// What (3) lacks in `m`, and the corrections of the velocities that it asks for in `right`.
-    fn lack(&mut self, model: &Model) {
-        self.residual(model);
-        self.point.solve(model, &mut self.right);
-    }
-}
-
-fn everywhere(from: &[f64], to: &mut [Lanes]) {
-    to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
-}
-
-/// The larger size; a number that is none wins.
-fn largest(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b.abs()) }
+    pub(super) start: [Compensated; 2],
+    pub(super) newton: Newton,
+    pub(super) rounds: u64,
 }
 
 impl Galerkin {

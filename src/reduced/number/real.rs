@@ -11,7 +11,7 @@ use num_traits::{One, Zero};
 use wide::f64x2;
 
 /// Numbers side by side.
-pub(super) const LANES: usize = 2;
+pub(in crate::reduced) const LANES: usize = 2;
 
 /// What the equations of motion are evaluated on.
 pub trait Real:
@@ -65,19 +65,25 @@ impl Real for f64 {
     }
 }
 
+/// `1 / d` for a positive number.
+#[inline(always)]
+pub(in crate::reduced) fn reciprocal<T: Real>(d: T) -> Option<T> {
+    d.is_positive().then(|| T::one() / d)
+}
+
 /// Two numbers, one for each of two stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lanes(f64x2);
+pub(in crate::reduced) struct Lanes(f64x2);
 
 impl Lanes {
     #[inline(always)]
-    pub(super) fn from_fn(mut f: impl FnMut(usize) -> f64) -> Lanes {
+    pub(in crate::reduced) fn from_fn(mut f: impl FnMut(usize) -> f64) -> Lanes {
         let a = f(0);
         Lanes(f64x2::new([a, f(1)]))
     }
 
     #[inline(always)]
-    pub(super) fn numbers(self) -> [f64; LANES] {
+    pub(in crate::reduced) fn numbers(self) -> [f64; LANES] {
         self.0.to_array()
     }
 }

@@ -10,12 +10,14 @@
 //! and is carried along with its parent's acceleration plus `gamma`, what the motion at constant joint velocities gives.
 //! One sweep places the links, one eliminates the joints from the leaves to the root, one finds the accelerations.
 
-use super::Model;
-use super::linear::{Matrix3, Vector3};
-use super::model::Link;
-use super::place::{Place, relative_twist};
-use super::spatial::{Elimination, Inertia, Spatial};
-use super::springs::Seen;
+use crate::reduced::elimination::Elimination;
+use crate::reduced::frame::{Place, relative_twist};
+use crate::reduced::inertia::Inertia;
+use crate::reduced::link::Link;
+use crate::reduced::model::Model;
+use crate::reduced::number::linear::{Matrix3, Vector3};
+use crate::reduced::spatial::Spatial;
+use crate::reduced::spring::Seen;
 
 /// A link in the course of the recursion.
 #[derive(Clone, Debug)]

@@ -2,31 +2,31 @@
 
 /// A vector that takes in increments without losing their low bits.
 #[derive(Clone, Debug)]
-pub(super) struct Compensated {
+pub(in crate::reduced) struct Compensated {
     pub value: Vec<f64>,
     /// What has not been added yet: the increments collected and what the last addition left over.
     rest: Vec<f64>,
 }
 
 impl Compensated {
-    pub(super) fn new(value: Vec<f64>) -> Compensated {
+    pub(in crate::reduced) fn new(value: Vec<f64>) -> Compensated {
         Compensated { rest: vec![0.0; value.len()], value }
     }
 
-    pub(super) fn copy_from(&mut self, other: &Compensated) {
+    pub(in crate::reduced) fn copy_from(&mut self, other: &Compensated) {
         self.value.copy_from_slice(&other.value);
         self.rest.copy_from_slice(&other.rest);
     }
 
     /// Collects a part of the next increment.
-    pub(super) fn collect(&mut self, part: &[f64]) {
+    pub(in crate::reduced) fn collect(&mut self, part: &[f64]) {
         for (rest, part) in self.rest.iter_mut().zip(part) {
             *rest += part;
         }
     }
 
     /// Adds what has been collected.
-    pub(super) fn advance(&mut self) {
+    pub(in crate::reduced) fn advance(&mut self) {
         for (value, rest) in self.value.iter_mut().zip(&mut self.rest) {
             let sum = *value + *rest;
             *rest -= sum - *value;

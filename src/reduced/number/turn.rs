@@ -16,20 +16,20 @@ const NEAR: f64 = 1.0 / 128.0;
 
 /// An angle with its sine and cosine, in rad.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(in crate::reduced) struct Turn {
     angle: Lanes,
     sin: Lanes,
     cos: Lanes,
 }
 
 impl Turn {
-    pub(super) fn zero() -> Turn {
+    pub(in crate::reduced) fn zero() -> Turn {
         Turn { angle: Lanes::of(0.0), sin: Lanes::of(0.0), cos: Lanes::of(1.0) }
     }
 
     /// Sine and cosine of an angle.
     #[inline(always)]
-    pub(super) fn sin_cos(&mut self, angle: Lanes) -> (Lanes, Lanes) {
+    pub(in crate::reduced) fn sin_cos(&mut self, angle: Lanes) -> (Lanes, Lanes) {
         let d = angle - self.angle;
         if !d.numbers().into_iter().all(|d| d.abs() <= NEAR) {
             let (sin, cos) = angle.sin_cos();

@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 use super::real::Real;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Vector3<T> {
+pub(in crate::reduced) struct Vector3<T> {
     pub x: T,
     pub y: T,
     pub z: T,
@@ -16,32 +16,32 @@ pub(super) struct Vector3<T> {
 
 impl<T: Real> Vector3<T> {
     #[inline(always)]
-    pub(super) fn new(x: T, y: T, z: T) -> Vector3<T> {
+    pub(in crate::reduced) fn new(x: T, y: T, z: T) -> Vector3<T> {
         Vector3 { x, y, z }
     }
 
     #[inline(always)]
-    pub(super) fn zeros() -> Vector3<T> {
+    pub(in crate::reduced) fn zeros() -> Vector3<T> {
         Vector3::new(T::of(0.0), T::of(0.0), T::of(0.0))
     }
 
     #[inline(always)]
-    pub(super) fn of(v: &nalgebra::Vector3<f64>) -> Vector3<T> {
+    pub(in crate::reduced) fn of(v: &nalgebra::Vector3<f64>) -> Vector3<T> {
         Vector3::new(T::of(v.x), T::of(v.y), T::of(v.z))
     }
 
     #[inline(always)]
-    pub(super) fn cross(&self, b: &Vector3<T>) -> Vector3<T> {
+    pub(in crate::reduced) fn cross(&self, b: &Vector3<T>) -> Vector3<T> {
         Vector3::new(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
 
     #[inline(always)]
-    pub(super) fn dot(&self, b: &Vector3<T>) -> T {
+    pub(in crate::reduced) fn dot(&self, b: &Vector3<T>) -> T {
         self.x * b.x + self.y * b.y + self.z * b.z
     }
 
     #[inline(always)]
-    pub(super) fn write(&self, out: &mut [T]) {
+    pub(in crate::reduced) fn write(&self, out: &mut [T]) {
         (out[0], out[1], out[2]) = (self.x, self.y, self.z);
     }
 }
@@ -108,41 +108,41 @@ impl<T> IndexMut<usize> for Vector3<T> {
 
 /// By its columns.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Matrix3<T> {
+pub(in crate::reduced) struct Matrix3<T> {
     pub columns: [Vector3<T>; 3],
 }
 
 impl<T: Real> Matrix3<T> {
     #[inline(always)]
-    pub(super) fn from_columns(columns: [Vector3<T>; 3]) -> Matrix3<T> {
+    pub(in crate::reduced) fn from_columns(columns: [Vector3<T>; 3]) -> Matrix3<T> {
         Matrix3 { columns }
     }
 
     #[inline(always)]
-    pub(super) fn zeros() -> Matrix3<T> {
+    pub(in crate::reduced) fn zeros() -> Matrix3<T> {
         Matrix3 { columns: [Vector3::zeros(); 3] }
     }
 
     #[inline(always)]
-    pub(super) fn identity() -> Matrix3<T> {
+    pub(in crate::reduced) fn identity() -> Matrix3<T> {
         let (o, i) = (T::of(0.0), T::of(1.0));
         Matrix3::from_columns([Vector3::new(i, o, o), Vector3::new(o, i, o), Vector3::new(o, o, i)])
     }
 
     #[inline(always)]
-    pub(super) fn of(m: &nalgebra::Matrix3<f64>) -> Matrix3<T> {
+    pub(in crate::reduced) fn of(m: &nalgebra::Matrix3<f64>) -> Matrix3<T> {
         let column = |k: usize| Vector3::new(T::of(m[(0, k)]), T::of(m[(1, k)]), T::of(m[(2, k)]));
         Matrix3::from_columns([column(0), column(1), column(2)])
     }
 
     #[inline(always)]
-    pub(super) fn column(&self, k: usize) -> &Vector3<T> {
+    pub(in crate::reduced) fn column(&self, k: usize) -> &Vector3<T> {
         &self.columns[k]
     }
 
     /// `M v`
     #[inline(always)]
-    pub(super) fn times(&self, v: &Vector3<T>) -> Vector3<T> {
+    pub(in crate::reduced) fn times(&self, v: &Vector3<T>) -> Vector3<T> {
         let [x, y, z] = &self.columns;
         Vector3::new(
             x.x * v.x + y.x * v.y + z.x * v.z,
@@ -153,14 +153,14 @@ impl<T: Real> Matrix3<T> {
 
     /// `M^T v`
     #[inline(always)]
-    pub(super) fn transpose_times(&self, v: &Vector3<T>) -> Vector3<T> {
+    pub(in crate::reduced) fn transpose_times(&self, v: &Vector3<T>) -> Vector3<T> {
         let [x, y, z] = &self.columns;
         Vector3::new(x.dot(v), y.dot(v), z.dot(v))
     }
 
     /// `M N`
     #[inline(always)]
-    pub(super) fn product(&self, n: &Matrix3<T>) -> Matrix3<T> {
+    pub(in crate::reduced) fn product(&self, n: &Matrix3<T>) -> Matrix3<T> {
         let [x, y, z] = &n.columns;
         Matrix3::from_columns([self.times(x), self.times(y), self.times(z)])
     }

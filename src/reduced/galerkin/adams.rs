@@ -10,7 +10,7 @@
 //! (Adams-Bashforth on the nodes of the collocation; Hairer, Norsett and Wanner 1993, section III.5, for unequal steps).
 
 use super::gauss::Gauss;
-use super::real::{LANES, Lanes, Real};
+use crate::reduced::number::real::{LANES, Lanes, Real};
 
 /// `h b_j ydot_j` at the stages of this step and of the one before, in the order of time.
 #[derive(Clone, Debug)]

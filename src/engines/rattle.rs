@@ -8,7 +8,7 @@ use crate::mechanics::{Part, State, System};
 use crate::variational::composition;
 use crate::variational::lobatto::Unfit;
 use crate::variational::substep::{step_in_halves, step_that_works};
-use crate::variational::{Adaptive, EnergyMomentum, Failure, Fault, Lobatto, Method, Rattle, Rotation};
+use crate::variational::{Adaptive, EnergyMomentum, Failure, Fault, Faulty, Lobatto, Method, Rattle, Rotation};
 use messages::{Names, describe};
 use settings::{KEYS, METHOD, ON_FAILURE, ORDER, ROTATION, STAGES, STEP, TOL, energy_fits, fits, steps_fit};
 
@@ -31,7 +31,7 @@ fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Uns
 pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<Box<dyn Engine>, Unsupported> {
     let sound = engine(spec, system, step)?;
     let core = match sound.core {
-        Core::Rattle(rattle) => Core::Rattle(rattle.with_fault(fault)),
+        Core::Rattle(rattle) => Core::Faulty(Faulty::new(rattle, fault)),
         core => core,
     };
     Ok(Box::new(RattleEngine { core, ..sound }))
@@ -105,6 +105,7 @@ fn core(spec: &Spec, system: &System, step: f64) -> Result<Core, String> {
 #[derive(Clone)]
 enum Core {
     Rattle(Rattle),
+    Faulty(Faulty),
     Lobatto(Lobatto),
     Adaptive(Box<Adaptive>),
     EnergyMomentum(Box<EnergyMomentum>),
@@ -114,6 +115,7 @@ impl Core {
     fn step(&mut self, h: f64) -> Result<(), Failure> {
         match self {
             Core::Rattle(rattle) => rattle.step(h),
+            Core::Faulty(faulty) => faulty.step(h),
             Core::Lobatto(lobatto) => lobatto.step(h),
             Core::Adaptive(adaptive) => adaptive.advance_to(adaptive.output_time() + h),
             Core::EnergyMomentum(varied) => varied.advance_to(varied.output_time() + h),
@@ -123,6 +125,7 @@ impl Core {
     fn write_state(&self, out: &mut State) {
         match self {
             Core::Rattle(rattle) => rattle.write_state(out),
+            Core::Faulty(faulty) => faulty.write_state(out),
             Core::Lobatto(lobatto) => lobatto.write_state(out),
             Core::Adaptive(adaptive) => adaptive.write_state(out),
             Core::EnergyMomentum(varied) => varied.write_state(out),
@@ -133,7 +136,7 @@ impl Core {
     fn switched(&self) -> &[(usize, f64)] {
         match self {
             Core::Rattle(rattle) => rattle.switched(),
-            Core::Lobatto(_) | Core::EnergyMomentum(_) => &[],
+            Core::Faulty(_) | Core::Lobatto(_) | Core::EnergyMomentum(_) => &[],
             Core::Adaptive(adaptive) => adaptive.switched(),
         }
     }
@@ -222,7 +225,7 @@ impl RattleEngine {
         let (turned, turn) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
         let (swayed, sway) = match &self.core {
             Core::Rattle(rattle) => rattle.fastest_sway().map_or((0, 0.0), |(body, rate)| (body, self.step * rate)),
-            Core::Lobatto(_) | Core::Adaptive(_) | Core::EnergyMomentum(_) => (0, 0.0),
+            Core::Faulty(_) | Core::Lobatto(_) | Core::Adaptive(_) | Core::EnergyMomentum(_) => (0, 0.0),
         };
         let names = &self.names.bodies;
         let fastest = format!("h |Omega| is at most {turn:.2} (body '{}')", names[turned]);

@@ -7,6 +7,7 @@
 //! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
 
 mod bonds;
+mod closing;
 mod compensated;
 #[doc(hidden)]
 pub mod fault;
@@ -17,6 +18,7 @@ mod loops;
 pub mod method;
 mod newton;
 mod orthogonal;
+mod parts;
 mod predictor;
 pub mod rattle;
 pub mod rotation;
@@ -24,8 +26,10 @@ mod rows;
 mod spatial;
 mod tree;
 
+pub use closing::counters::Counters;
+pub use closing::stop::Ending;
 #[doc(hidden)]
-pub use fault::Fault;
+pub use fault::{Fault, Faulty};
 pub use method::adaptive::Adaptive;
 pub use method::energy_momentum::EnergyMomentum;
 pub use method::lobatto::Lobatto;

@@ -47,6 +47,11 @@ impl Predictor {
         (self.times, self.filled, self.next) = (other.times, other.filled, other.next);
     }
 
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        (self.filled, self.next) = (0, 0);
+    }
+
     /// The highest polynomial degree that the history allows; `None` without one.
     pub(super) fn degree(&self) -> Option<usize> {
         let most = self.filled.checked_sub(1)?;

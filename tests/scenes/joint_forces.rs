@@ -63,7 +63,7 @@ fn run(system: &System, composition: &Composition, h: f64, steps: usize, mut see
         rattle.write_state(&mut state);
         see(n as f64 * h, &state);
     }
-    rattle.rounds()
+    rattle.counters().rounds
 }
 
 /// Largest relative energy error of a run without dampers and drives.

@@ -1,6 +1,6 @@
 //! The discrete energy of a step.
 
-use super::Rattle;
+use super::state::Rattle;
 use crate::variational::rotation::Rotation;
 
 /// A discrete energy and the sum of the sizes of its terms, J.
@@ -21,26 +21,27 @@ impl Rattle {
     /// springs in the middle of the step. For a system without dampers and drives.
     pub(in crate::variational) fn discrete_energy(&self, h: f64) -> DiscreteEnergy {
         let (mut kinetic, mut potential, mut size) = (0.0, 0.0, 0.0);
-        for i in 1..self.nodes.len() {
-            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
-            let turning = self.rules[i].action(&node.inertia, &trial.s, &trial.hm);
+        for i in 1..self.chain.nodes.len() {
+            let (node, body, trial) = (&self.chain.nodes[i], &self.now.bodies[i], &self.trial.bodies[i]);
+            let turning = self.memory.rules[i].action(&node.inertia, &trial.s, &trial.hm);
             kinetic += (0.5 * node.mass * trial.motion.dx.norm_squared() + turning) / (h * h);
             let middle = body.x.value - 0.5 * trial.motion.dx;
-            potential -= node.mass * self.gravity.dot(&middle);
-            size += node.mass * self.gravity.norm() * middle.norm();
+            potential -= node.mass * self.chain.gravity.dot(&middle);
+            size += node.mass * self.chain.gravity.norm() * middle.norm();
         }
-        let joints: f64 = self.forces.iter().map(|force| force.potential()).sum();
-        let springs = joints + self.loops.as_ref().map_or(0.0, |loops| loops.potential());
+        let joints: f64 = self.parts.iter().flat_map(|parts| &parts.forces).map(|force| force.potential()).sum();
+        let loops = self.parts.as_ref().and_then(|parts| parts.loops.as_ref());
+        let springs = joints + loops.map_or(0.0, |loops| loops.potential());
         DiscreteEnergy { energy: kinetic + (potential + springs), size: kinetic + size + springs }
     }
 
     /// Keeps the rotation rules of the bodies from now on: each has a discrete energy of its own.
     pub(in crate::variational) fn keep_rotation(&mut self) {
-        self.automatic = false;
+        self.settings.automatic = false;
     }
 
     /// The rotation rule of each body.
     pub fn rotations(&self) -> &[Rotation] {
-        &self.rules[1..]
+        &self.memory.rules[1..]
     }
 }

@@ -25,13 +25,13 @@ pub enum Failure {
 
 /// Where a step is farthest from closed: a joint, by its body, or a bond.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Open {
+pub(in crate::variational) enum Open {
     Joint(usize),
     Loop(usize),
 }
 
 impl Open {
-    pub(super) fn failure(self, rounds: usize, residual: f64) -> Failure {
+    pub(in crate::variational) fn failure(self, rounds: usize, residual: f64) -> Failure {
         match self {
             Open::Joint(joint) => Failure::Constraint { joint, rounds, residual },
             Open::Loop(index) => Failure::Loop { index, rounds, residual },

@@ -3,7 +3,7 @@
 //!
 //! Large impulses nearly cancel on such a *light* body, and what is left would be divided by almost nothing. So it is not
 //! its momentum that moves it: its motion over the step (`dx`, `s`) is an unknown of its own, and the equation for it is
-//! (1) and (2) of [`super`] the other way round, with the rule [`Rotation::Cayley`](super::Rotation::Cayley) for the turn,
+//! (1) and (2) of [`super`] the other way round, with the rule [`Rotation::Cayley`](crate::variational::Rotation::Cayley) for the turn,
 //!
 //! ```text
 //! m dx / h                                 = p0  + h/2 (f(q0)   + G(q0)^T lambda0)
@@ -17,11 +17,12 @@
 
 use nalgebra::Vector3;
 
-use super::super::compensated::Compensated;
-use super::super::joints::Node;
-use super::super::spatial::{Spatial, Twist, Wrench};
-use super::{Rattle, world_inertia};
+use super::project::world_inertia;
+use super::state::Rattle;
 use crate::mechanics::JointKind;
+use crate::variational::compensated::Compensated;
+use crate::variational::joints::Node;
+use crate::variational::spatial::{Spatial, Twist, Wrench};
 
 /// Mass or moments, over those of the heaviest body behind, below which a body counts as light; and moments over mass times
 /// the square of the system's length.
@@ -59,59 +60,64 @@ pub(super) fn mark(nodes: &mut [Node], length: f64, all: bool) {
 }
 
 impl Rattle {
+    /// Nodes with no or very little inertia.
+    fn light(&self) -> &[usize] {
+        self.parts.as_ref().map_or(&[], |parts| &parts.light)
+    }
+
     /// The momentum of a light body's motion.
-    pub(super) fn momentum_of_motion(&self, i: usize, h: f64) -> Wrench {
-        let (node, trial) = (&self.nodes[i], &self.trial[i]);
+    pub(in crate::variational) fn momentum_of_motion(&self, i: usize, h: f64) -> Wrench {
+        let (node, trial) = (&self.chain.nodes[i], &self.trial.bodies[i]);
         let js = node.inertia.component_mul(&trial.s);
         let hm = 2.0 * (js + trial.s.cross(&js) + trial.s * trial.s.dot(&js));
-        Spatial::new(trial.motion.dx * (node.mass / h), self.pose[i].r * hm / h)
+        Spatial::new(trial.motion.dx * (node.mass / h), self.now.pose[i].r * hm / h)
     }
 
     /// By how much the impulses on a light body exceed the momentum of its motion; zero for all others.
-    pub(super) fn imbalance(&self, i: usize, h: f64) -> Wrench {
-        if !self.nodes[i].light {
+    pub(in crate::variational) fn imbalance(&self, i: usize, h: f64) -> Wrench {
+        if !self.chain.nodes[i].light {
             return Spatial::ZERO;
         }
-        let (body, kick) = (&self.bodies[i], &self.trial[i].kick);
+        let (body, kick) = (&self.now.bodies[i], &self.trial.bodies[i].kick);
         Spatial::new(body.p.plus(&kick.linear), body.pi.plus(&kick.angular)) - self.momentum_of_motion(i, h)
     }
 
     /// Starts the motions of light bodies from their twists at the beginning of the step.
-    pub(super) fn start_light(&mut self, h: f64) {
-        for k in 0..self.light.len() {
-            let i = self.light[k];
-            let v = self.twist[i].twist_at(&-self.places[i].arm);
-            self.trial[i].motion.dx = h * v.linear;
+    pub(in crate::variational) fn start_light(&mut self, h: f64) {
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
+            let v = self.now.twist[i].twist_at(&-self.now.places[i].arm);
+            self.trial.bodies[i].motion.dx = h * v.linear;
             self.turn_light(i, &Vector3::zeros(), &(h * v.angular));
         }
     }
 
     /// The light body whose impulses are farthest from its motion: how far that moves it, m, and what roundoff may do.
-    pub(super) fn measure_imbalance(&self, h: f64) -> (usize, f64, f64) {
+    pub(in crate::variational) fn measure_imbalance(&self, h: f64) -> (usize, f64, f64) {
         let (mut joint, mut worst, mut roundoff) = (0, 0.0, 0.0_f64);
-        for k in 0..self.light.len() {
-            let i = self.light[k];
-            let (mass, moment) = self.tree.mean_inertia(i);
-            let moved = |f: f64, tau: f64| h.abs() * (f / mass + self.length * tau / moment);
-            let (excess, f) = (self.imbalance(i, h), self.wrench[i].linear.norm());
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
+            let (mass, moment) = self.now.tree.mean_inertia(i);
+            let moved = |f: f64, tau: f64| h.abs() * (f / mass + self.chain.length * tau / moment);
+            let (excess, f) = (self.imbalance(i, h), self.trial.wrench[i].linear.norm());
             let size = moved(excess.linear.norm(), excess.angular.norm());
             if size > worst || !size.is_finite() {
                 (joint, worst) = (i - 1, size);
             }
-            let lever = self.places[i].arm.norm() + self.length;
-            let impulses = moved(f, self.wrench[i].angular.norm() + lever * f);
-            let motion = &self.trial[i].motion;
-            roundoff = roundoff.max(impulses).max(motion.dx.norm() + 2.0 * self.length * motion.s.norm());
+            let lever = self.now.places[i].arm.norm() + self.chain.length;
+            let impulses = moved(f, self.trial.wrench[i].angular.norm() + lever * f);
+            let motion = &self.trial.bodies[i].motion;
+            roundoff = roundoff.max(impulses).max(motion.dx.norm() + 2.0 * self.chain.length * motion.s.norm());
         }
         (joint, worst, f64::EPSILON * roundoff)
     }
 
     /// Moves the light bodies by the twists of a correction at their centres of mass, for a time `h`.
-    pub(super) fn correct_light(&mut self, h: f64, twist: impl Fn(&Rattle, usize) -> Twist) {
-        for k in 0..self.light.len() {
-            let i = self.light[k];
-            let (v, s) = (twist(self, i), self.trial[i].motion.s);
-            self.trial[i].motion.dx += h * v.linear;
+    pub(in crate::variational) fn correct_light(&mut self, h: f64, twist: impl Fn(&Rattle, usize) -> Twist) {
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
+            let (v, s) = (twist(self, i), self.trial.bodies[i].motion.s);
+            self.trial.bodies[i].motion.dx += h * v.linear;
             self.turn_light(i, &s, &(h * v.angular));
         }
     }
@@ -121,36 +127,36 @@ impl Rattle {
         // (1, a) (1, s) = (1 - a.s, a + s + a x s)
         let a = 0.5 * by;
         let turned = (s + a + a.cross(s)) / (1.0 - a.dot(s));
-        let trial = &mut self.trial[i];
+        let trial = &mut self.trial.bodies[i];
         trial.motion.s = turned;
-        trial.s = self.pose[i].r.tr_mul(&turned);
-        let js = self.nodes[i].inertia.component_mul(&trial.s);
+        trial.s = self.now.pose[i].r.tr_mul(&turned);
+        let js = self.chain.nodes[i].inertia.component_mul(&trial.s);
         trial.hm = 2.0 * (js + trial.s.cross(&js) + trial.s * trial.s.dot(&js));
     }
 
     /// (1) for light bodies: their momenta from their motions.
     pub(super) fn kick_light(&mut self, h: f64) {
-        for k in 0..self.light.len() {
-            let i = self.light[k];
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
             let momentum = self.momentum_of_motion(i, h);
-            self.trial[i].kick = Spatial::ZERO;
+            self.trial.bodies[i].kick = Spatial::ZERO;
             self.set_momentum(i, &momentum);
         }
     }
 
     /// (4) and (5) for light bodies: their momenta from their twists.
     pub(super) fn project_light(&mut self) {
-        for k in 0..self.light.len() {
-            let i = self.light[k];
-            let v = self.twist[i].twist_at(&-self.places[i].arm);
-            let spin = world_inertia(&self.nodes[i], &self.pose[i]) * v.angular;
-            self.trial[i].kick = Spatial::ZERO;
-            self.set_momentum(i, &Spatial::new(v.linear * self.nodes[i].mass, spin));
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
+            let v = self.now.twist[i].twist_at(&-self.now.places[i].arm);
+            let spin = world_inertia(&self.chain.nodes[i], &self.now.pose[i]) * v.angular;
+            self.trial.bodies[i].kick = Spatial::ZERO;
+            self.set_momentum(i, &Spatial::new(v.linear * self.chain.nodes[i].mass, spin));
         }
     }
 
     fn set_momentum(&mut self, i: usize, momentum: &Wrench) {
-        self.bodies[i].p = Compensated::new(momentum.linear);
-        self.bodies[i].pi = Compensated::new(momentum.angular);
+        self.now.bodies[i].p = Compensated::new(momentum.linear);
+        self.now.bodies[i].pi = Compensated::new(momentum.angular);
     }
 }

@@ -1,6 +1,7 @@
 //! Which rule each body turns by, and how a body goes over to another one.
 
-use super::{Failure, Rattle};
+use super::failure::Failure;
+use super::state::Rattle;
 use crate::variational::joints::Node;
 use crate::variational::rotation::Rotation;
 
@@ -9,28 +10,32 @@ const FAST: f64 = 0.25;
 
 impl Rattle {
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
-    pub fn with_rotation(self, rotation: Rotation) -> Rattle {
-        Rattle { rules: rules(&self.nodes, rotation), automatic: false, ..self }
+    pub fn with_rotation(mut self, rotation: Rotation) -> Rattle {
+        self.memory.rules = rules(&self.chain.nodes, rotation);
+        self.settings.automatic = false;
+        self
     }
 
     /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
     /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
     /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
-    pub fn with_automatic_rotation(self) -> Rattle {
-        Rattle { rules: rules(&self.nodes, Rotation::MoserVeselov), automatic: true, ..self }
+    pub fn with_automatic_rotation(mut self) -> Rattle {
+        self.memory.rules = rules(&self.chain.nodes, Rotation::MoserVeselov);
+        self.settings.automatic = true;
+        self
     }
 
     /// The bodies that [`Rattle::with_automatic_rotation`] has moved to the splitting, by index, and when (s).
     pub fn switched(&self) -> &[(usize, f64)] {
-        &self.switched
+        &self.memory.switched
     }
 
     /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
     pub(super) fn solve_or_switch(&mut self, h: f64) -> Result<(), Failure> {
-        let before = self.switched.len();
+        let before = self.memory.switched.len();
         loop {
             let failure = match self.solve_constraints(h) {
-                Err(failure) if self.automatic => failure,
+                Err(failure) if self.settings.automatic => failure,
                 result => return result,
             };
             let body = match failure {
@@ -43,13 +48,13 @@ impl Rattle {
                 | Failure::NotFinite { .. } => None,
             };
             match body {
-                Some(body) if self.rules[body + 1] == Rotation::MoserVeselov => {
-                    self.rules[body + 1] = Rotation::Splitting;
-                    self.switched.push((body, self.time.value.x));
+                Some(body) if self.memory.rules[body + 1] == Rotation::MoserVeselov => {
+                    self.memory.rules[body + 1] = Rotation::Splitting;
+                    self.memory.switched.push((body, self.now.time.value.x));
                 }
                 _ => {
-                    for (body, _) in self.switched.drain(before..) {
-                        self.rules[body + 1] = Rotation::MoserVeselov;
+                    for (body, _) in self.memory.switched.drain(before..) {
+                        self.memory.rules[body + 1] = Rotation::MoserVeselov;
                     }
                     return Err(failure);
                 }
@@ -60,8 +65,8 @@ impl Rattle {
     /// The body that turns most in the step that was tried last, by more than [`FAST`], of those that can go over to the
     /// splitting.
     fn fastest_turning(&self) -> Option<usize> {
-        let turn = |i: &usize| self.trial[*i].s.norm();
-        let candidates = (1..self.nodes.len()).filter(|&i| self.rules[i] == Rotation::MoserVeselov);
+        let turn = |i: &usize| self.trial.bodies[*i].s.norm();
+        let candidates = (1..self.chain.nodes.len()).filter(|&i| self.memory.rules[i] == Rotation::MoserVeselov);
         candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
     }
 }

@@ -32,10 +32,9 @@ mod tableau;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::mechanics::{BodyState, State, System};
+use crate::variational::closing::stop::LIMITS;
 use crate::variational::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
-use crate::variational::rattle::{
-    Body, Failure, MOST_ROUNDS, RETURN, bodies, norm_defect, turn_less_one, world_inertia,
-};
+use crate::variational::rattle::{Body, Failure, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
 use crate::variational::spatial::{Spatial, Twist, Wrench};
 use crate::variational::tree::{Singular, Tree};
 use attitude::{Attitude, MOST_ITERATIONS};
@@ -248,7 +247,7 @@ impl Lobatto {
             if residual == 0.0 || (stalled >= STALLED && best <= 64.0 * roundoff) {
                 return Ok(());
             }
-            if rounds == MOST_ROUNDS {
+            if rounds == LIMITS.rounds {
                 return Err(Failure::Constraint { joint, rounds, residual });
             }
             // The first round puts the bodies where the prediction has them; one that hardly helps calls for another look.

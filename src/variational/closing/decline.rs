@@ -7,17 +7,7 @@
 //! At order 8 and 2 ms a chain of three links that is left with 1e-10 of roundoff loses 1.5e-22 +- 4e-23 of its energy scale a solve (24 runs
 //! of 1e7 solves), with 1e-13 7e-23 +- 4e-23; a four-bar with 1e-6 loses 2.5e-22 +- 5e-23, and 3.3e-22 +- 6e-23 when it turns the other way.
 
-use super::solve::stagnation;
-
-/// Residuals that are so few times the estimated roundoff of the motions are mostly roundoff.
-const HIDDEN: f64 = 4.0;
-
-/// No round is taken to leave more than this part of a residual.
-const SLOWEST: f64 = 0.5;
-
-/// The part of roundoff that the last correction may leave. The rate that is followed is that of the largest residual, above roundoff;
-/// what falls slower was smaller there.
-const NEGLIGIBLE: f64 = 1e-13;
+use super::stop::LIMITS;
 
 /// The residuals of the rounds of a step.
 #[derive(Clone, Copy, Debug)]
@@ -38,15 +28,22 @@ impl Decline {
     /// `rate` is a guess, used where nothing better is seen.
     pub(super) fn new(rate: f64) -> Decline {
         let none = f64::INFINITY;
-        Decline { measured: none, left: none, rate: rate.min(SLOWEST), seen: false, hidden: false, roundoff: 0.0 }
+        Decline {
+            measured: none,
+            left: none,
+            rate: rate.min(LIMITS.slowest),
+            seen: false,
+            hidden: false,
+            roundoff: 0.0,
+        }
     }
 
     /// Takes in the residual of another round, and what roundoff may do to it.
     pub(super) fn follow(&mut self, measured: f64, roundoff: f64, exact: bool) {
         let falls = self.measured.is_finite() && !self.hidden;
-        let rate = if falls { (measured / self.measured).min(SLOWEST) } else { self.rate };
-        let stagnant = (self.hidden || measured > 0.5 * self.measured) && measured <= stagnation(exact) * roundoff;
-        self.hidden = measured <= HIDDEN * roundoff || stagnant;
+        let rate = if falls { (measured / self.measured).min(LIMITS.slowest) } else { self.rate };
+        let stagnant = (self.hidden || measured > 0.5 * self.measured) && measured <= LIMITS.noise(exact) * roundoff;
+        self.hidden = measured <= LIMITS.hidden * roundoff || stagnant;
         if self.hidden {
             // Roundoff makes a residual no smaller.
             self.rate = rate.min(self.rate);
@@ -70,7 +67,7 @@ impl Decline {
 
     /// Whether another correction leaves nothing that matters.
     pub(super) fn ends(&self) -> bool {
-        self.hidden && self.rate * self.left <= NEGLIGIBLE * self.roundoff
+        self.hidden && self.rate * self.left <= LIMITS.unbiased * self.roundoff
     }
 }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{Failure, Rattle};
 use crate::variational::joints::Node;
 use crate::variational::loops::StepEnergy;
+use crate::variational::rattle::{Failure, Rattle};
 use crate::variational::spatial::Spatial;
 
 /// The part of the kinetic energy between the half kicks that may be that of the kick: of a first solution, and of one that no
@@ -13,15 +13,22 @@ use crate::variational::spatial::Spatial;
 pub(super) const KICKED: (f64, f64) = (0.3, 0.32);
 
 impl Rattle {
+    /// Whether there are no rows across the tree of joints.
+    pub(super) fn is_tree(&self) -> bool {
+        self.parts.as_ref().is_none_or(|parts| parts.loops.is_none())
+    }
+
     /// Fails where redundant rows contradict each other, so that no impulse closes the loop, and where a linkage leaps.
     pub(super) fn refuse_false_solutions(&mut self, h: f64, rounds: usize, kicked: Option<f64>) -> Result<(), Failure> {
-        let Some(mut loops) = self.loops.take() else {
+        if self.is_tree() {
             return kicked.map_or(Ok(()), |kicked| self.refuse_leap(h, kicked));
-        };
-        let open = loops.contradiction(&self.nodes, self.length);
+        }
+        let energy = self.step_energy(h);
+        let chain = &self.chain;
+        let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) else { return Ok(()) };
+        let open = loops.contradiction(&chain.nodes, chain.length);
         let open = open.map(|(index, residual)| Failure::Loop { index, rounds, residual });
-        let leap = loops.leap(h, self.step_energy(h)).map(|gained| Failure::Leap { gained });
-        self.loops = Some(loops);
+        let leap = loops.leap(h, energy).map(|gained| Failure::Leap { gained });
         open.or(leap).map_or(Ok(()), Err)
     }
 
@@ -40,25 +47,25 @@ impl Rattle {
 
     /// Kinetic energy of the momenta at the start of the step, J.
     fn kinetic_energy(&self) -> f64 {
-        let moving = self.nodes.iter().zip(&self.bodies).zip(&self.pose).skip(1);
+        let moving = self.chain.nodes.iter().zip(&self.now.bodies).zip(&self.now.pose).skip(1);
         moving.map(|((node, body), pose)| kinetic_energy(node, &body.p.value, &pose.r.tr_mul(&body.pi.value))).sum()
     }
 
     /// The energies of the step that is being tried.
     fn step_energy(&self, h: f64) -> StepEnergy {
         let mut sum = StepEnergy::default();
-        for i in 1..self.nodes.len() {
-            let (node, body, trial) = (&self.nodes[i], &self.bodies[i], &self.trial[i]);
+        for i in 1..self.chain.nodes.len() {
+            let (node, body, trial) = (&self.chain.nodes[i], &self.now.bodies[i], &self.trial.bodies[i]);
             sum.kinetic += if node.light {
                 let Spatial { linear, angular } = self.momentum_of_motion(i, h);
-                kinetic_energy(node, &linear, &self.pose[i].r.tr_mul(&angular))
+                kinetic_energy(node, &linear, &self.now.pose[i].r.tr_mul(&angular))
             } else {
                 kinetic_energy(node, &body.p.plus(&trial.kick.linear), &(trial.hm / h))
             };
-            sum.work += node.mass * self.gravity.dot(&trial.motion.dx);
-            sum.fall += 0.5 * node.mass * (h * self.gravity).norm_squared();
+            sum.work += node.mass * self.chain.gravity.dot(&trial.motion.dx);
+            sum.fall += 0.5 * node.mass * (h * self.chain.gravity).norm_squared();
         }
-        sum.work += self.forces.iter().map(|force| force.work(h)).sum::<f64>();
+        sum.work += self.parts.iter().flat_map(|parts| &parts.forces).map(|force| force.work(h)).sum::<f64>();
         sum
     }
 }

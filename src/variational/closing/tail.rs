@@ -9,39 +9,14 @@
 //! with its own mismatch, in the last correction, which is one of all nodes. What the chord iteration leaves of that is
 //! predicted as of a residual (`still_settled`); where it is too much the rounds go on over all nodes.
 
-use super::{Rattle, kick_joint};
-use crate::variational::joints::Node;
+use super::stop::last_round;
+use crate::variational::rattle::Rattle;
+use crate::variational::rattle::kick::kick_joint;
 use crate::variational::spatial::{Spatial, Twist, Wrench};
 
 /// Joints of the head that need no more rounds themselves. From rod to rod a correction across a chain falls to a half; what reaches the tail
 /// must be small beside what it has to correct itself.
 const MARGIN: usize = 12;
-
-/// How far the joints were open in the last two rounds over all of them, m (angles times the system's length).
-#[derive(Clone, Debug)]
-pub(super) struct Openings {
-    pub now: Vec<f64>,
-    before: Vec<f64>,
-    /// Whether all nodes after this one hang on it.
-    stem: Vec<bool>,
-}
-
-impl Openings {
-    pub(super) fn new(nodes: &[Node]) -> Openings {
-        let n = nodes.len();
-        let (mut stem, mut least) = (vec![false; n], n);
-        for i in (1..n).rev() {
-            stem[i] = least >= i;
-            least = least.min(nodes[i].parent);
-        }
-        Openings { now: vec![0.0; n], before: vec![0.0; n], stem }
-    }
-
-    /// Begins another round over all joints.
-    pub(super) fn begin(&mut self) {
-        std::mem::swap(&mut self.now, &mut self.before);
-    }
-}
 
 /// The nodes from `first` on, which all hang on that one and wait for those before it.
 pub(super) struct Tail {
@@ -56,56 +31,85 @@ pub(super) struct Tail {
     missed: Twist,
 }
 
+/// What a round with a waiting tail was.
+pub(super) enum Waited {
+    /// One on the head.
+    On,
+    /// One on all nodes, after which the tail waits no more.
+    TooLong,
+    /// The last.
+    ToTheEnd,
+}
+
 impl Rattle {
     /// Whether parts of the system may wait for others: a tree with nothing but gravity, and rounds that end at roundoff.
     pub(super) fn may_wait(&self) -> bool {
-        !self.unbiased
-            && self.loops.is_none()
-            && self.forces.is_empty()
-            && self.light.is_empty()
-            && self.carried.is_none()
+        !self.settings.unbiased && self.parts.is_none()
     }
 
     /// A tail whose next correction is its last, where there is one of at least half of the nodes: [`MARGIN`] shorter than the longest.
     pub(super) fn settled_tail(&self, roundoff: f64) -> Option<Tail> {
-        let Openings { now, before, stem } = &self.openings;
+        let (now, before) = (&self.trial.open, &self.trial.open_before);
         let (mut residual, mut last, mut longest) = (0.0_f64, 0.0_f64, None);
         for i in (2..now.len()).rev() {
             (residual, last) = (residual.max(now[i]), last.max(before[i]));
-            if self.is_last(residual, residual / last, roundoff) {
+            if last_round(true, residual, residual / last, roundoff).is_some() {
                 longest = Some(i);
             }
         }
         let first = longest? + MARGIN;
-        if 2 * first > now.len() || !stem[first] {
+        if 2 * first > now.len() || !self.chain.stem[first] {
             return None;
         }
         let most = |open: &[f64]| open[first..].iter().fold(0.0, |most: f64, open| most.max(*open));
         let residual = most(now);
         let contraction = residual / most(before);
-        self.is_last(residual, contraction, roundoff).then(|| Tail {
+        last_round(true, residual, contraction, roundoff).map(|_| Tail {
             first,
             residual,
             contraction,
             roundoff,
-            wrench: self.wrench[first],
+            wrench: self.trial.wrench[first],
             missed: Spatial::ZERO,
         })
     }
 
+    /// A round on the head alone, or on all nodes where that is the last or the tail may wait no longer; `ends` is whether the head
+    /// needs no more rounds after it.
+    pub(super) fn correct_head_or_all(
+        &mut self,
+        tail: &mut Tail,
+        h: f64,
+        roundoff: f64,
+        ends: bool,
+        falls: bool,
+    ) -> Waited {
+        let rests = self.still_settled(tail, h, roundoff);
+        if rests && ends {
+            self.correct_all(tail, h);
+            return Waited::ToTheEnd;
+        }
+        if !rests || !falls {
+            self.correct_all(tail, h);
+            return Waited::TooLong;
+        }
+        self.correct_head(tail, h);
+        Waited::On
+    }
+
     /// Whether its next correction is still the last of a tail, which has been carried along by those that it has missed.
     pub(super) fn still_settled(&self, tail: &Tail, h: f64, roundoff: f64) -> bool {
-        let missed = tail.missed.twist_at(&self.places[tail.first].offset);
-        let carried = h.abs() * (missed.linear.norm() + self.length * missed.angular.norm());
-        self.is_last(tail.residual + carried, tail.contraction, roundoff.max(tail.roundoff))
+        let missed = tail.missed.twist_at(&self.now.places[tail.first].offset);
+        let carried = h.abs() * (missed.linear.norm() + self.chain.length * missed.angular.norm());
+        last_round(true, tail.residual + carried, tail.contraction, roundoff.max(tail.roundoff)).is_some()
     }
 
     /// One round of the chord iteration on the nodes before a tail, and (1) for them.
     pub(super) fn correct_head(&mut self, tail: &mut Tail, h: f64) {
         let gravity = self.first_kick(h);
-        let (nodes, places, bias) = (&self.nodes, &self.places, &self.bias);
-        let (wrench, trial) = (&mut self.wrench, &mut self.trial);
-        tail.missed += self.tree.correct_head(
+        let (nodes, places, bias) = (&self.chain.nodes, &self.now.places, &self.trial.bias);
+        let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
+        tail.missed += self.now.tree.correct_head(
             places,
             tail.first,
             |i| bias[i],
@@ -119,10 +123,10 @@ impl Rattle {
     /// One round on all nodes, in which a tail makes up for what it has missed, and (1).
     pub(super) fn correct_all(&mut self, tail: &Tail, h: f64) {
         let gravity = self.first_kick(h);
-        let (nodes, places, bias) = (&self.nodes, &self.places, &self.bias);
-        let (wrench, trial) = (&mut self.wrench, &mut self.trial);
+        let (nodes, places, bias) = (&self.chain.nodes, &self.now.places, &self.trial.bias);
+        let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         wrench[tail.first] = tail.wrench;
-        self.tree.correct_all(
+        self.now.tree.correct_all(
             places,
             (tail.first, &tail.missed),
             |i| bias[i],
@@ -160,13 +164,13 @@ mod tests {
         for _ in 0..50 {
             whole.step(1e-3).unwrap();
         }
-        let (mut waiting, before) = (whole.clone(), whole.rounds());
-        whole.openings.stem.fill(false);
+        let (mut waiting, before) = (whole.clone(), whole.counters().rounds);
+        whole.chain.stem.fill(false);
         waiting.step(1e-3).unwrap();
         whole.step(1e-3).unwrap();
-        assert!(whole.rounds() - before >= 3, "there were rounds to wait for");
+        assert!(whole.counters().rounds - before >= 3, "there were rounds to wait for");
         let (mut largest, mut same) = (0.0_f64, true);
-        for (a, b) in waiting.twist.iter().zip(&whole.twist).skip(1) {
+        for (a, b) in waiting.now.twist.iter().zip(&whole.now.twist).skip(1) {
             largest = largest.max((a.linear - b.linear).norm()).max((a.angular - b.angular).norm());
             same &= a == b;
         }
@@ -178,19 +182,19 @@ mod tests {
     #[test]
     fn a_tail_makes_up_for_the_corrections_that_it_has_missed() {
         let mut rattle = chain(40);
-        let (tail, places) = (15, rattle.places.clone());
+        let (tail, places) = (15, rattle.now.places.clone());
         let bias = |i: usize| {
             let x = i as f64;
             Spatial::new(Vector3::new(x.sin(), x.cos(), 0.3), Vector3::new(0.1, x.sin(), 0.2))
         };
-        let n = rattle.nodes.len();
+        let n = rattle.chain.nodes.len();
         let (mut expected, mut found) = (vec![Spatial::ZERO; n], vec![Spatial::ZERO; n]);
         let none = |_: usize| Vector3::zeros();
-        rattle.tree.correct(&rattle.nodes, &places, bias, none, |i, _, f| expected[i] = f);
-        let missed = rattle.tree.correct_head(&places, tail, bias, |i, _, f| found[i] = f);
+        rattle.now.tree.correct(&rattle.chain.nodes, &places, bias, none, |i, _, f| expected[i] = f);
+        let missed = rattle.now.tree.correct_head(&places, tail, bias, |i, _, f| found[i] = f);
         found[tail] = Spatial::ZERO;
         let rest = |i: usize| if i < tail { Spatial::ZERO } else { bias(i) };
-        rattle.tree.correct_all(&places, (tail, &missed), rest, |i, _, f| found[i] += f);
+        rattle.now.tree.correct_all(&places, (tail, &missed), rest, |i, _, f| found[i] += f);
         let size = expected.iter().map(|f| f.linear.norm()).fold(0.0, f64::max);
         for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
             let error = (a.linear - b.linear).norm() + (a.angular - b.angular).norm();

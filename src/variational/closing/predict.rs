@@ -1,0 +1,29 @@
+//! Where the constraint iteration starts.
+
+use crate::variational::joints::keep_locked;
+use crate::variational::rattle::Rattle;
+use crate::variational::rattle::kick::{blocks, kick_joint};
+use crate::variational::spatial::Spatial;
+
+impl Rattle {
+    /// (1) with wrenches extrapolated by a polynomial of the given degree, or with none.
+    pub(super) fn predict(&mut self, h: f64, degree: Option<usize>) {
+        let time = self.now.time.value.x;
+        if let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) {
+            loops.predict(time, h, degree);
+        }
+        let (gravity, nodes, now) = (self.first_kick(h), &self.chain.nodes, &self.now);
+        let (predictor, wrench, bodies) = (&self.memory.predictor, &mut self.trial.wrench, &mut self.trial.bodies);
+        let weights = degree.map(|degree| predictor.weights(time, h, degree));
+        for block in blocks(1..nodes.len()) {
+            for i in block.clone() {
+                wrench[i] = weights.map_or(Spatial::ZERO, |w| predictor.impulse(&w, i, &now.pose[i]));
+            }
+            for i in block.clone().filter(|&i| nodes[i].force.is_none()) {
+                keep_locked(&nodes[i], &now.places[i], &mut wrench[i]);
+            }
+            block.for_each(|i| kick_joint(bodies, nodes, &now.places, i, &gravity, &wrench[i]));
+        }
+        self.kick_parts();
+    }
+}

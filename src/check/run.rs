@@ -1,7 +1,6 @@
 //! The runs that bounds need, each taken once.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::Requirement;
@@ -9,6 +8,7 @@ use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress, Results};
 use crate::measure::study::Findings;
+use crate::measure::threads;
 use crate::measure::truth;
 use crate::measure::truth::trusted::Truth;
 use crate::mechanics::System;
@@ -121,23 +121,9 @@ fn take_all(system: &System, units: &[Unit], truth: Option<&Truth>, settings: &S
     };
     let mut order: Vec<usize> = (0..units.len()).filter(|&i| !units[i].need.timed).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(units[i].horizon.steps));
-    let next = AtomicUsize::new(0);
-    let found: Vec<Mutex<Option<Results>>> = units.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..settings.jobs.clamp(1, order.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let results = take(&units[i]);
-                    if let Ok(mut slot) = found[i].lock() {
-                        *slot = Some(results);
-                    }
-                }
-            });
-        }
-    });
+    let found = threads::map(settings.jobs, units.len(), &order, |i| Some(take(&units[i])));
     let mut all = Results { runs: Vec::new(), interrupted: false };
-    for (unit, slot) in units.iter().zip(found) {
-        let taken = slot.into_inner().ok().flatten();
+    for (unit, taken) in units.iter().zip(found) {
         let results = if unit.need.timed { Some(take(unit)) } else { taken };
         all.interrupted |= results.as_ref().is_none_or(|r| r.interrupted);
         all.runs.extend(results.into_iter().flat_map(|r| r.runs));

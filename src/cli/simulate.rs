@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use super::{CliError, input, interrupt, progress};
 use crate::engines::{self, Engine, Spec, StepFailure};
 use crate::measure::Horizon;
-use crate::measure::trace::turn_per_step::Turn;
+use crate::measure::trace::turn_per_step::TurnPerStep;
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{State, System, constraint, energy};
 use crate::model::Scene;
@@ -53,7 +53,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut engine = engines::build(&spec, &system, args.step)?;
     let mut output = Output::open(&args.output)?;
     let run = Run { system: &system, horizon, every };
-    let mut turn = Turn::new(&system, engine.as_ref(), args.step);
+    let mut turn = TurnPerStep::new(&system, engine.as_ref(), args.step);
     let (taken, interrupted) = (AtomicU64::new(0), interrupt::flag());
     let stages = [progress::Stage::new("simulating", horizon.steps, &taken)];
     // Rows on a terminal show by themselves how far the run is.
@@ -193,7 +193,7 @@ impl Run<'_> {
     fn write(
         &self,
         engine: &mut dyn Engine,
-        turn: &mut Turn,
+        turn: &mut TurnPerStep,
         output: &mut Output,
         taken: &AtomicU64,
         interrupted: &AtomicBool,

@@ -7,6 +7,7 @@ use super::maps::hamiltonian_map_from;
 use super::methods::{METHODS, Method};
 use super::problems::{Problem, coupled_wells, double_pendulum};
 use super::solve::SolveError;
+use crate::numeric::fit::power;
 
 /// Orders of the four things that belong to a discrete Lagrangian. Order r means an error of `O(h^(r+1))` in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,17 +193,12 @@ fn one_step_errors(
 pub fn fitted_order(errors: impl Iterator<Item = (f64, f64, f64)>) -> f64 {
     let clear: Vec<(f64, f64)> = errors
         .take_while(|(_, error, roundoff)| *error > CLEAR_OF_ROUNDOFF * roundoff)
-        .map(|(h, error, _)| (h.ln(), error.ln()))
+        .map(|(h, error, _)| (h, error))
         .collect();
     if clear.len() < FITTED {
         return f64::NAN;
     }
-    let points = &clear[clear.len() - FITTED..];
-    let count = points.len() as f64;
-    let mean_x = points.iter().map(|p| p.0).sum::<f64>() / count;
-    let mean_y = points.iter().map(|p| p.1).sum::<f64>() / count;
-    let covariance: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
-    covariance / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>() - 1.0
+    power(&clear[clear.len() - FITTED..]) - 1.0
 }
 
 /// Order of any map of T*R^n against the motion that it approximates, with or without forces and constraints: the slope

@@ -1,13 +1,14 @@
 //! A list of runs on one system: first all traced, on several threads, then all timed, one at a time.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Horizon;
-use super::comparison::Run;
 use super::cost::clock::{self, Candidate, Effort};
-use super::trace::{self, Limits, Outcome, Trace};
+use super::outcome::{Limits, Outcome};
+use super::run::Run;
+use super::threads;
+use super::trace::{self, Trace};
 use super::truth::trusted::Truth;
 use crate::engines::{self, Spec};
 use crate::mechanics::System;
@@ -37,7 +38,7 @@ impl Batch<'_> {
             order.reverse();
         }
         let begin = Instant::now();
-        let traces = on_threads(self.jobs, &order, |i| {
+        let traces = threads::map(self.jobs, order.len(), &order, |i| {
             let left = self.together.map_or(self.budget, |all| all.saturating_sub(begin.elapsed()));
             self.trace_one(i, &Limits { budget: left.min(self.budget), interrupted, taken })
         });
@@ -57,29 +58,6 @@ impl Batch<'_> {
             }
         }
     }
-}
-
-/// Does the pieces of work named by `order` on so many threads; the results stand at their own places.
-pub(super) fn on_threads<T: Send>(
-    jobs: usize,
-    order: &[usize],
-    work: impl Fn(usize) -> Option<T> + Sync,
-) -> Vec<Option<T>> {
-    let next = AtomicUsize::new(0);
-    let found: Vec<Mutex<Option<T>>> = order.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, order.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let result = work(i);
-                    if let Ok(mut slot) = found[i].lock() {
-                        *slot = result;
-                    }
-                }
-            });
-        }
-    });
-    found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
 /// Times the runs that were completed, and those that were over budget as far as they came. False where interrupted.

@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use super::Horizon;
 use super::batch::{self, Batch};
-use super::cost::clock::{Effort, Timing};
+use super::cost::clock::Effort;
+use super::outcome::Limits;
+use super::run::Run;
 use super::structure::{self, Structure};
-use super::trace::{Limits, Trace};
+use super::threads;
 use super::truth::trusted::Truth;
 use crate::engines::Spec;
 use crate::mechanics::System;
@@ -38,16 +40,6 @@ pub struct Progress {
     pub ranked: AtomicU64,
     /// Turns to be taken for the ranking; none before it is known how many.
     pub to_rank: AtomicU64,
-}
-
-/// One engine at one step size.
-#[derive(Clone, Debug)]
-pub struct Run {
-    pub engine: Spec,
-    pub horizon: Horizon,
-    pub trace: Trace,
-    pub structure: Option<Structure>,
-    pub timing: Option<Timing>,
 }
 
 /// The runs that were finished, in the order of the comparison.
@@ -108,7 +100,7 @@ impl Comparison<'_> {
         let shortest = cases.iter().map(|(_, horizon)| horizon.end).fold(f64::INFINITY, f64::min);
         let (state, at) = structure::examined_state(self.system, shortest);
         let order: Vec<usize> = (0..cases.len()).collect();
-        batch::on_threads(self.jobs, &order, |i| {
+        threads::map(self.jobs, order.len(), &order, |i| {
             let (spec, horizon) = cases[i];
             let found = structure::examine(self.system, spec, horizon.step, (&state, at), limits);
             limits.taken.fetch_add(1, Ordering::Relaxed);

@@ -1,5 +1,7 @@
 //! How the error of an engine falls with its step size: the fitted order, and the floor where it stops falling.
 
+use crate::numeric::fit::power;
+
 /// Errors above this are not small: what they do with the step says nothing about the order.
 const SMALL: f64 = 0.3;
 
@@ -81,7 +83,7 @@ pub fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence>
     let smallest = EXACT.max(floor.map_or(0.0, |floor| ABOVE_FLOOR * floor));
     let mut falling: Vec<(f64, f64)> = small.iter().copied().take_while(|p| p.1 > smallest).collect();
     let unsure = |p: &[(f64, f64)]| p[2].1 < ABOVE_REFERENCE * reference_error;
-    let flatter = |p: &[(f64, f64)]| slope(&p[1..]) < AS_STEEP * slope(&p[..2]);
+    let flatter = |p: &[(f64, f64)]| power(&p[1..]) < AS_STEEP * power(&p[..2]);
     if let Some(i) = falling.windows(3).position(|p| unsure(p) && flatter(p)) {
         falling.truncate(i + 2);
     }
@@ -91,7 +93,7 @@ pub fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence>
         Some(floor) if floor <= roundoff => Verdict::ToRoundoff,
         Some(_) => Verdict::DoesNotConverge,
     };
-    Some(Convergence { order: (fitted.len() >= 3).then(|| slope(fitted)), floor, verdict })
+    Some(Convergence { order: (fitted.len() >= 3).then(|| power(fitted)), floor, verdict })
 }
 
 /// Whether the errors at the finest steps fall by less than the power [`STALLED`] of the step: over the last pair and, above
@@ -103,15 +105,6 @@ fn stalled(points: &[(f64, f64)], roundoff: f64) -> bool {
     let gains = |from: (f64, f64)| (end.1 / from.1).ln() > STALLED * (end.0 / from.0).ln();
     let risen = points[..last].iter().any(|p| p.1 < end.1);
     gains(before(1)) && (end.1 <= roundoff || last < 2 || risen || gains(before(2)))
-}
-
-/// Least-squares slope of `ln error` over `ln step`.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let logs: Vec<(f64, f64)> = points.iter().map(|(h, e)| (h.ln(), e.ln())).collect();
-    let (mx, my) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
-    let covariance: f64 = logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-    covariance / logs.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
 }
 
 #[cfg(test)]

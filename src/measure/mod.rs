@@ -12,10 +12,14 @@ pub mod convergence;
 pub mod cost;
 pub mod growth;
 pub mod horizon;
+pub mod outcome;
 pub mod parity;
+pub mod run;
+pub mod scales;
 pub mod stability;
 pub mod structure;
 pub mod study;
+pub mod threads;
 pub mod trace;
 pub mod truth;
 
@@ -23,4 +27,6 @@ pub mod truth;
 mod synthetic;
 
 pub use horizon::{Horizon, HorizonError};
-pub use trace::{Outcome, Trace};
+pub use outcome::{Limits, Outcome};
+pub use run::Run;
+pub use trace::Trace;

@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::trace::{self, StartDifference};
+use super::trace::StartDifference;
 use crate::engines::{self, Engine, Spec};
 use crate::mechanics::coordinates::joint_coordinates;
 use crate::mechanics::{State, System};
@@ -165,7 +165,7 @@ fn of(
     Some(Parity {
         engine: spec.to_string(),
         held: held.as_ref().map(|held| held_difference(system, held)),
-        start: trace::start_difference_as(&theirs, system, &state),
+        start: StartDifference::of(&theirs, system, &state),
         momentum: momentum_difference(system, &theirs, &state),
         acceleration: difference(spec),
         acceleration_solved: engines::converged(spec).and_then(|spec| difference(&spec)),

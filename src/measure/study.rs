@@ -3,11 +3,12 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::{self, Batch};
-use super::comparison::{Comparison, Progress, Results, Run};
+use super::comparison::{Comparison, Progress, Results};
 use super::cost::clock::{self, Effort};
 use super::cost::ranking;
 use super::cost::sweep::{self, Setting};
 use super::parity::{Parity, parity};
+use super::run::Run;
 use super::truth;
 use super::truth::trusted::Truth;
 use crate::engines::{self, Spec};

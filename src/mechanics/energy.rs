@@ -6,6 +6,7 @@ use super::body::Body;
 use super::coordinates::joint_coordinates;
 use super::joint::JointCoordinates;
 use super::joint_kind::JointKind;
+use super::path::path_lengths;
 use super::state::State;
 use super::system::System;
 
@@ -119,16 +120,9 @@ fn nearest_to_rest(system: &System, mut joints: Vec<JointCoordinates>) -> Vec<Jo
 /// where nothing can happen by 1 J. [`System::energy_scale`] is not read.
 pub fn scale(system: &System) -> f64 {
     let System { bodies, parts, gravity, initial, initial_coordinates, .. } = system;
-    let mut to_joint: Vec<f64> = Vec::with_capacity(bodies.len());
     let mut potential = 0.0;
-    for body in bodies {
-        let joint = &body.joint;
-        let path = joint.parent.map_or(0.0, |p| {
-            let parent_origin = bodies[p].joint.in_child.translation.vector;
-            to_joint[p] + (joint.in_parent.translation.vector - parent_origin).norm()
-        });
-        to_joint.push(path);
-        potential += body.mass * gravity.norm() * (path + joint.in_child.translation.vector.norm());
+    for (body, path) in bodies.iter().zip(path_lengths(bodies)) {
+        potential += body.mass * gravity.norm() * (path + body.joint.in_child.translation.vector.norm());
     }
     let springs = of_joint_springs(system, initial_coordinates, 0.0) + of_point_springs(system, initial, 0.0);
     let drives: f64 = parts.drives.iter().map(|drive| drive.effort.abs() + drive.amplitude.abs()).sum();

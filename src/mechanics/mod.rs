@@ -15,6 +15,7 @@ mod joint_kind;
 mod mobility;
 pub mod momentum;
 mod parts;
+pub(crate) mod path;
 mod relative;
 mod state;
 mod system;

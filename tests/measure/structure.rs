@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use nalgebra::Vector3;
 use rattlebench::engines::{self, Spec};
+use rattlebench::measure::outcome::Limits;
 use rattlebench::measure::structure::{Structure, examine, examined_state, reversibility, symplecticity};
-use rattlebench::measure::trace::Limits;
 use rattlebench::mechanics::{State, System};
 use rattlebench::model::{JointKind, Scene};
 

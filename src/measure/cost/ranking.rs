@@ -4,8 +4,8 @@
 //! need more: the runs that can be the cheapest of their engine at a target, where two engines are near each other there, are
 //! timed again in many rounds ([`Effort::RANKING`](super::clock::Effort::RANKING)).
 
-use crate::measure::comparison::Run;
-use crate::measure::trace::Outcome;
+use crate::measure::outcome::Outcome;
+use crate::measure::run::Run;
 
 /// Joint position errors that engines are ranked at, rad or m.
 pub const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];

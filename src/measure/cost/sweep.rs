@@ -5,7 +5,7 @@
 
 use crate::engines::{Key, Spec, SpecError};
 use crate::measure::Horizon;
-use crate::measure::truth::trusted::round_below;
+use crate::measure::truth::sampling::round_below;
 
 /// Longest time that a sweep simulates, s.
 pub const LONGEST: f64 = 2.0;

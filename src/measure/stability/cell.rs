@@ -11,7 +11,8 @@ use super::watch::Watched;
 use crate::engines::{self, Spec};
 use crate::measure::Horizon;
 use crate::measure::growth::Stretch;
-use crate::measure::trace::{CORRECTED_ENERGY, EnergyError, Limits, Outcome, Trace, trace};
+use crate::measure::outcome::{Limits, Outcome};
+use crate::measure::trace::{CORRECTED_ENERGY, EnergyError, Trace, trace};
 use crate::mechanics::{CompileError, System};
 
 /// A scan at one value of its parameter.

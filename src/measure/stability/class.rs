@@ -25,7 +25,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::growth::{Growth, Stretch, Verdict, growth};
-use crate::measure::trace::Outcome;
+use crate::measure::outcome::Outcome;
 
 /// Errors up to this part of their scale are accurate.
 pub const ACCURATE: f64 = 1e-3;

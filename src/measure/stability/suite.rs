@@ -2,12 +2,13 @@
 
 use std::cmp::Reverse;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::cell::{Case, Cell, Finding};
 use super::scan::{Family, Scan};
 use super::truth::Known;
 use crate::engines::Spec;
+use crate::measure::threads;
 
 /// What a suite runs.
 #[derive(Debug)]
@@ -103,26 +104,19 @@ pub fn run(
     let truths: Vec<OnceLock<Option<Known>>> = groups.iter().map(|_| OnceLock::new()).collect();
     let truth = |g: usize| truths[g].get_or_init(|| groups[g][0].case.truth(interrupted)).as_ref();
     let tasks = tasks(&groups);
-    let next = AtomicUsize::new(0);
-    std::thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, tasks.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if interrupted.load(Ordering::Relaxed) {
-                        return;
-                    }
-                    match *task {
-                        Task::Truth(g) => drop(truth(g)),
-                        Task::Cell(g, cell) => {
-                            let finding = truth(g).and_then(|known| cell.run(known, interrupted));
-                            if let Some(finding) = finding {
-                                done(cell, finding);
-                                progress.fetch_add(work_of(cell), Ordering::Relaxed);
-                            }
-                        }
-                    }
+    threads::each(jobs, &tasks, |task| {
+        if interrupted.load(Ordering::Relaxed) {
+            return;
+        }
+        match *task {
+            Task::Truth(g) => drop(truth(g)),
+            Task::Cell(g, cell) => {
+                let finding = truth(g).and_then(|known| cell.run(known, interrupted));
+                if let Some(finding) = finding {
+                    done(cell, finding);
+                    progress.fetch_add(work_of(cell), Ordering::Relaxed);
                 }
-            });
+            }
         }
     });
 }

@@ -6,11 +6,15 @@ use std::time::Duration;
 
 use super::budget;
 use super::scan::{Scan, Truth};
-use super::watch::{SAMPLES, Scales, Watched, difference};
+use super::watch::{SAMPLES, Watched};
 use crate::engines::{self, Spec, reference};
 use crate::measure::Horizon;
-use crate::measure::trace::{Limits, Outcome, trace};
+use crate::measure::outcome::{Limits, Outcome};
+use crate::measure::scales::LinkLengths;
+use crate::measure::trace::trace;
+use crate::measure::truth::trusted::disagreement;
 use crate::mechanics::{State, System};
+use crate::numeric::larger;
 
 /// Two runs that differ by less than this are taken for the truth: a tenth of what [`super::class::ACCURATE`] allows.
 pub const AGREE: f64 = 1e-4;
@@ -26,7 +30,8 @@ const REFERENCE: f64 = 2.0;
 pub struct Known {
     /// At `t = k T / SAMPLES` for `k = 1, 2, ...`; as many as can be trusted.
     states: Vec<State>,
-    scales: Scales,
+    /// What positions are divided by, m.
+    length: f64,
     /// How far the two runs differ over the states that are trusted.
     pub disagreement: f64,
     /// How it was found, in words.
@@ -36,7 +41,7 @@ pub struct Known {
 impl Known {
     /// No truth to be had.
     pub fn nothing() -> Known {
-        Known { states: Vec::new(), scales: Scales { link: 1.0, reach: 1.0 }, disagreement: 0.0, method: String::new() }
+        Known { states: Vec::new(), length: 1.0, disagreement: 0.0, method: String::new() }
     }
 
     /// The part of the run over which the truth is known.
@@ -51,10 +56,9 @@ impl Known {
         let judged: Vec<f64> = samples
             .iter()
             .filter(|(k, _)| *k <= known)
-            .map(|(k, state)| difference(state, &self.states[*k as usize - 1], &self.scales))
+            .map(|(k, state)| disagreement(state, &self.states[*k as usize - 1], self.length))
             .collect();
         let enough = self.part() >= LEAST_KNOWN && !judged.is_empty();
-        let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
         enough.then(|| judged.into_iter().fold(0.0, larger))
     }
 }
@@ -72,15 +76,15 @@ pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) 
     if ended && independent.part() >= LEAST_KNOWN {
         return Some(independent);
     }
-    let scales = Scales::of(system);
+    let length = LinkLengths::of(system).longest_path;
     let run = |steps: u64| fine_run(&spec, system, duration, steps, interrupted);
     let (coarse, fine) = (run(steps)?, run(2 * steps)?);
-    let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| difference(&a.1, &b.1, &scales)).collect();
+    let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| disagreement(&a.1, &b.1, length)).collect();
     let known = differences.iter().take_while(|d| **d <= AGREE).count();
     let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
     let method = format!("{spec} at {:.1e} s and half of that", duration / steps as f64);
     let states = fine.into_iter().take(known).map(|(_, state)| state).collect();
-    let ours = Known { states, scales, disagreement, method };
+    let ours = Known { states, length, disagreement, method };
     let longer = independent.part() >= LEAST_KNOWN && independent.part() >= ours.part();
     Some(if longer { independent } else { ours })
 }
@@ -88,11 +92,11 @@ pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) 
 /// The samples of the reference as far as its two tolerances agree, within the cost [`REFERENCE`]; and whether they end at
 /// the end of the run or where the two part, and not where the means were spent.
 fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (Known, bool) {
-    let scales = Scales::of(system);
+    let length = LinkLengths::of(system).longest_path;
     let times: Vec<f64> = (1..=SAMPLES).map(|k| k as f64 * duration / SAMPLES as f64).collect();
     let mut differences = Vec::new();
     let mut agree = |a: &State, b: &State| {
-        let apart = difference(a, b, &scales);
+        let apart = disagreement(a, b, length);
         differences.push(apart);
         apart <= AGREE && !interrupted.load(Ordering::Relaxed)
     };
@@ -102,7 +106,7 @@ fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (Kn
     states.truncate(known);
     let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
     let ended = known as u64 == SAMPLES || known < differences.len();
-    (Known { states, scales, disagreement, method: "reference".to_string() }, ended)
+    (Known { states, length, disagreement, method: "reference".to_string() }, ended)
 }
 
 /// Steps of either tolerance that the reference may try.

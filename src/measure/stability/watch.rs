@@ -2,8 +2,10 @@
 
 use crate::engines::{Engine, StepFailure};
 use crate::measure::Horizon;
+use crate::measure::scales::LinkLengths;
 use crate::mechanics::coordinates::{JointCoordinates, joint_coordinates};
 use crate::mechanics::{State, System};
+use crate::numeric::larger;
 
 /// The run is cut into so many parts; states are compared at the end of each.
 pub const SAMPLES: u64 = 20;
@@ -11,43 +13,11 @@ pub const SAMPLES: u64 = 20;
 /// Joints are looked at after at most so many steps of a run, evenly spread.
 const LOOKS: u64 = 2000;
 
-/// Lengths of a scene that errors of position are divided by, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scales {
-    /// Mean length of the links.
-    pub link: f64,
-    /// The longest path along the tree from the ground to a centre of mass.
-    pub reach: f64,
-}
-
-impl Scales {
-    /// A link is as long as the way from its joint to its centre of mass, or to the joint of a link that it carries. A body
-    /// whose joint is at its centre of mass counts with its radius of gyration.
-    pub fn of(system: &System) -> Scales {
-        let bodies = &system.bodies;
-        let mut to_joint: Vec<f64> = Vec::with_capacity(bodies.len());
-        let (mut sum, mut reach) = (0.0, 0.0f64);
-        for body in bodies {
-            let joint = &body.joint;
-            let between = joint.parent.map_or(0.0, |p| {
-                (joint.in_parent.translation.vector - bodies[p].joint.in_child.translation.vector).norm()
-            });
-            let path = joint.parent.map_or(0.0, |p| to_joint[p]) + between;
-            let radius = if body.mass > 0.0 { (body.inertia.max() / body.mass).sqrt() } else { 0.0 };
-            let arm = joint.in_child.translation.vector.norm().max(radius);
-            to_joint.push(path);
-            sum += arm.max(between);
-            reach = reach.max(path + arm);
-        }
-        Scales { link: sum / bodies.len() as f64, reach }
-    }
-}
-
 /// An engine with what is seen of it.
 pub struct Watched<'a> {
     engine: Box<dyn Engine>,
     system: &'a System,
-    scales: Scales,
+    links: LinkLengths,
     horizon: Horizon,
     taken: u64,
     state: State,
@@ -63,7 +33,7 @@ impl<'a> Watched<'a> {
         Watched {
             engine,
             system,
-            scales: Scales::of(system),
+            links: LinkLengths::of(system),
             horizon,
             taken: 0,
             state: system.initial.clone(),
@@ -93,14 +63,14 @@ impl<'a> Watched<'a> {
             let above = ground.map_or(joint.in_parent, |pose| pose * joint.in_parent);
             let allowed = above * joint.kind.transform(&coordinates.position);
             let gap = allowed.inv_mul(&(state.pose() * joint.in_child));
-            keep_larger(&mut self.joint_gap, gap.translation.vector.norm() / self.scales.link);
-            keep_larger(&mut self.joint_gap, gap.rotation.angle());
+            self.joint_gap = larger(self.joint_gap, gap.translation.vector.norm() / self.links.mean);
+            self.joint_gap = larger(self.joint_gap, gap.rotation.angle());
         }
         for closure in &self.system.parts.loops {
             let locked = (0..6).filter(|&i| closure.locked()[i]);
             for (component, residual) in locked.zip(closure.residual(&self.state).0) {
-                let scale = if component < 3 { self.scales.link } else { 1.0 };
-                keep_larger(&mut self.joint_gap, residual.abs() / scale);
+                let scale = if component < 3 { self.links.mean } else { 1.0 };
+                self.joint_gap = larger(self.joint_gap, residual.abs() / scale);
             }
         }
     }
@@ -135,23 +105,5 @@ impl Engine for Watched<'_> {
 
     fn chooses_its_steps(&self) -> bool {
         self.engine.chooses_its_steps()
-    }
-}
-
-/// The largest difference of two states: of a centre of mass, over the scene's reach, or of an attitude, rad. NaN where one
-/// is.
-pub fn difference(a: &State, b: &State, scales: &Scales) -> f64 {
-    let mut largest = 0.0;
-    for (a, b) in a.bodies.iter().zip(&b.bodies) {
-        keep_larger(&mut largest, (a.position - b.position).norm() / scales.reach);
-        keep_larger(&mut largest, a.attitude.angle_to(&b.attitude));
-    }
-    largest
-}
-
-/// NaN is larger than any number.
-fn keep_larger(largest: &mut f64, value: f64) {
-    if value.is_nan() || value > *largest {
-        *largest = value;
     }
 }

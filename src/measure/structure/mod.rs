@@ -36,7 +36,7 @@ use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::trace::Limits;
+use super::outcome::Limits;
 use crate::engines::{self, Spec};
 use crate::mechanics::momentum::{self, Conserved};
 use crate::mechanics::{State, System};

@@ -11,9 +11,9 @@ pub const FAR_TURN: f64 = 0.3;
 
 /// The largest turn of a body in a step so far: by its angular velocity, `h |Omega|`, and by the attitudes before and after.
 ///
-/// Every command that runs an engine warns by [`Turn::warning`]. Engines that choose steps of their own are not warned of turns.
+/// Every command that runs an engine warns by [`TurnPerStep::warning`]. Engines that choose steps of their own are not warned of turns.
 #[derive(Clone, Debug)]
-pub struct Turn {
+pub struct TurnPerStep {
     /// Step of the run, s.
     step: f64,
     before: Vec<UnitQuaternion<f64>>,
@@ -23,11 +23,11 @@ pub struct Turn {
     fixed: bool,
 }
 
-impl Turn {
+impl TurnPerStep {
     /// Starts at the initial state.
-    pub fn new(system: &System, engine: &dyn Engine, step: f64) -> Turn {
+    pub fn new(system: &System, engine: &dyn Engine, step: f64) -> TurnPerStep {
         let before = system.initial.bodies.iter().map(|body| body.attitude).collect();
-        Turn { step, before, largest: 0.0, body: 0, fixed: !engine.chooses_its_steps() }
+        TurnPerStep { step, before, largest: 0.0, body: 0, fixed: !engine.chooses_its_steps() }
     }
 
     /// Takes in the state after the next step.
@@ -71,7 +71,7 @@ mod tests {
         let system = flywheel(1.0, 0.0, 10.0);
         let warning = |speed: f64| {
             let mut engine = Scripted::new(move |_| speed);
-            let mut turn = Turn::new(&system, &engine, 0.01);
+            let mut turn = TurnPerStep::new(&system, &engine, 0.01);
             let mut state = system.initial.clone();
             engine.step().expect("scripted");
             engine.write_state(&mut state);

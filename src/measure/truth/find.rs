@@ -4,9 +4,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::trusted::{TRUSTED, Trajectory, Truth, disagreement, reach, sampling_interval, sampling_times};
+use super::sampling::{sampling_interval, sampling_times};
+use super::trusted::{TRUSTED, Trajectory, Truth, disagreement};
 use crate::engines::{self, Spec, reference};
-use crate::measure::Horizon;
+use crate::measure::{Horizon, scales};
 use crate::mechanics::{State, System};
 
 /// The engine that checks the reference.
@@ -25,7 +26,7 @@ pub fn find(system: &System, horizons: &[Horizon], budget: Duration, interrupted
     let times = sampling_times(horizons);
     let interval = sampling_interval(horizons.iter().map(|h| h.end).fold(0.0, f64::max));
     let go_on = || begin.elapsed() < budget && !interrupted.load(Ordering::Relaxed);
-    let reach = reach(system);
+    let reach = scales::reach(system);
     let mut pair = |a: &State, b: &State| go_on() && disagreement(a, b, reach) <= TRUSTED;
     let found = reference::trajectory_while(system, &times, &mut pair).ok()?;
     let looser: Trajectory = found.looser.into_iter().map(Some).collect();

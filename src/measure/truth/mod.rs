@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 mod find;
+pub mod sampling;
 pub mod trusted;
 
 pub use find::find;

@@ -4,14 +4,12 @@
 //! disagreement with other trajectories of the same system. A chaotic system doubles every error again and again, so
 //! each trajectory is worth something for a while only: until the estimate passes [`TRUSTED`].
 
-use crate::measure::Horizon;
+use crate::measure::scales;
 use crate::mechanics::{State, System};
+use crate::numeric::larger;
 
 /// The relative error up to which the truth is trusted: of lengths over the reach of the system, and rad.
 pub const TRUSTED: f64 = 1e-8;
-
-/// About so many samples make up a run.
-const SAMPLES: f64 = 200.0;
 
 /// The true states at some times, as far as they can be trusted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,7 +34,7 @@ impl Truth {
     /// Judges `states` by their disagreement with each of `others`, which all have the same `times`, and keeps what can be
     /// trusted.
     pub fn new(system: &System, method: String, times: &[f64], states: Vec<State>, others: &[Trajectory]) -> Truth {
-        let reach = reach(system);
+        let reach = scales::reach(system);
         let mut estimates = Vec::with_capacity(times.len());
         for (k, state) in states.iter().enumerate().take(times.len()) {
             let estimate = others
@@ -82,72 +80,13 @@ impl Truth {
     }
 }
 
-/// The larger of two, and infinity where one is not a number.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
-}
-
-/// The largest difference of a body's place over `reach` (m), or of its attitude, rad.
-pub fn disagreement(a: &State, b: &State, reach: f64) -> f64 {
+/// The largest difference of a centre of mass over a length (m), or of an attitude, rad; NaN where one is.
+pub fn disagreement(a: &State, b: &State, length: f64) -> f64 {
     a.bodies
         .iter()
         .zip(&b.bodies)
-        .flat_map(|(a, b)| [(a.position - b.position).norm() / reach, a.attitude.angle_to(&b.attitude)])
+        .flat_map(|(a, b)| [(a.position - b.position).norm() / length, a.attitude.angle_to(&b.attitude)])
         .fold(0.0, larger)
-}
-
-/// A length that belongs to the system, m: the longest path along the tree from the ground's joint to a centre of mass or,
-/// where all of them are zero, the largest radius of gyration.
-pub fn reach(system: &System) -> f64 {
-    let mut to_joint: Vec<f64> = Vec::with_capacity(system.bodies.len());
-    let mut longest = 0.0f64;
-    for body in &system.bodies {
-        let joint = &body.joint;
-        let path = joint.parent.map_or(0.0, |p| {
-            let parent_origin = system.bodies[p].joint.in_child.translation.vector;
-            to_joint[p] + (joint.in_parent.translation.vector - parent_origin).norm()
-        });
-        to_joint.push(path);
-        longest = longest.max(path + joint.in_child.translation.vector.norm());
-    }
-    if longest > 0.0 {
-        return longest;
-    }
-    system.bodies.iter().map(|b| (b.inertia.max() / b.mass).sqrt()).fold(0.0, f64::max)
-}
-
-/// A round interval, s, which about `SAMPLES` of make up a duration.
-pub fn sampling_interval(duration: f64) -> f64 {
-    round_below(duration / SAMPLES)
-}
-
-/// The largest of 1, 2, 5 times a power of ten that is not above `x`.
-pub fn round_below(x: f64) -> f64 {
-    let power = 10f64.powf((x.log10() + 1e-9).floor());
-    let mantissa = [5.0, 2.0, 1.0].into_iter().find(|m| m * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
-    format!("{:e}", mantissa * power).parse().unwrap_or(mantissa * power)
-}
-
-/// The times to know the truth at, rising: multiples of the sampling interval up to the longest horizon, and for each
-/// horizon the times nearest to these that it has.
-pub fn sampling_times(horizons: &[Horizon]) -> Vec<f64> {
-    let end = horizons.iter().map(|h| h.end).fold(0.0, f64::max);
-    if !(end > 0.0) {
-        return Vec::new();
-    }
-    let interval = sampling_interval(end);
-    let count = (end / interval * (1.0 + 1e-9)).floor() as u64;
-    let grid: Vec<f64> = (1..=count).map(|k| k as f64 * interval).collect();
-    let mut times = grid.clone();
-    for horizon in horizons {
-        for t in &grid {
-            let n = ((t / horizon.step).round() as u64).clamp(1, horizon.steps);
-            times.push(horizon.time(n));
-        }
-    }
-    times.sort_by(f64::total_cmp);
-    times.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * interval);
-    times
 }
 
 #[cfg(test)]
@@ -186,19 +125,6 @@ mod tests {
         lost[2] = None;
         lost[4].as_mut().expect("a state").bodies[0].position.x = f64::NAN;
         assert_eq!(Truth::new(&system, "test".into(), &times, main, &[lost]).trusted_until, 4.0);
-    }
-
-    #[test]
-    fn samples_are_round_and_every_horizon_has_its_own() {
-        assert_eq!([sampling_interval(10.0), sampling_interval(5.0), sampling_interval(2.0)], [0.05, 0.02, 0.01]);
-        assert_eq!([round_below(1.0), round_below(0.0499), round_below(2.5), round_below(9.9)], [1.0, 0.02, 2.0, 5.0]);
-        let exact = |step| Horizon::exact(step, 10.0).expect("whole");
-        assert_eq!(sampling_times(&[exact(0.01), exact(0.0005), exact(0.5)]).len(), 200);
-        let odd = Horizon::nearest(0.003, 10.0).expect("a run");
-        // Every third one of the 200 is a multiple of 0.15 s, which both have.
-        let times = sampling_times(&[exact(0.01), odd]);
-        assert!(times.windows(2).all(|w| w[0] < w[1]) && times.len() == 334, "{}", times.len());
-        assert!(times.contains(&9.999) && times.last() == Some(&10.0));
     }
 
     #[test]

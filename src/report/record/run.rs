@@ -7,9 +7,10 @@ use super::reference::Accuracy;
 use super::series::{Series, series};
 use super::structure::Structure;
 use super::time::{Time, time};
-use crate::measure::comparison::Run as MeasuredRun;
 use crate::measure::growth::Verdict;
-use crate::measure::trace::{MomentumError, Outcome as Ended, Trace};
+use crate::measure::outcome::Outcome as Ended;
+use crate::measure::run::Run as MeasuredRun;
+use crate::measure::trace::{MomentumError, Trace};
 use crate::mechanics::System;
 
 /// One engine at one step size.

@@ -1,6 +1,6 @@
 //! The statistics of the growth test, for values at equal distances in time.
 
-use super::Exponent;
+use super::figures::Exponent;
 
 /// 97.5 % of the normal distribution.
 const NORMAL: f64 = 1.96;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::budget;
 use super::class::{Class, Evidence, classify};
 use super::scan::{Family, Scan};
-use super::truth::{self, Known};
+use super::true_samples::{self, TrueSamples};
 use super::watch::Watched;
 use crate::engines::{self, Spec};
 use crate::measure::Horizon;
@@ -67,14 +67,14 @@ impl Case {
 
     /// What finding the truth will cost, nominal s.
     pub fn truth_cost(&self) -> f64 {
-        self.system.as_ref().map_or(0.0, |system| truth::cost(self.scan, self.value, system.bodies.len()))
+        self.system.as_ref().map_or(0.0, |system| true_samples::cost(self.scan, self.value, system.bodies.len()))
     }
 
     /// `None` where it was interrupted.
-    pub fn truth(&self, interrupted: &AtomicBool) -> Option<Known> {
+    pub fn truth(&self, interrupted: &AtomicBool) -> Option<TrueSamples> {
         match &self.system {
-            Ok(system) => truth::find(self.scan, self.value, system, interrupted),
-            Err(_) => Some(Known::nothing()),
+            Ok(system) => true_samples::find(self.scan, self.value, system, interrupted),
+            Err(_) => Some(TrueSamples::nothing()),
         }
     }
 }
@@ -95,7 +95,7 @@ impl Cell<'_> {
     }
 
     /// Runs the cell. `None` where it was interrupted.
-    pub fn run(&self, truth: &Known, interrupted: &AtomicBool) -> Option<Finding> {
+    pub fn run(&self, truth: &TrueSamples, interrupted: &AtomicBool) -> Option<Finding> {
         let horizon = self.horizon();
         let nothing = |class, reason| Some(Finding::without_run(class, reason, horizon.step));
         let system = match &self.case.system {

@@ -11,7 +11,7 @@ pub mod class;
 pub mod families;
 pub mod scan;
 pub mod suite;
-pub mod truth;
+pub mod true_samples;
 pub mod watch;
 
 pub use cell::{Case, Cell, Finding};

@@ -38,7 +38,8 @@ pub struct Scan {
     pub clock_name: &'static str,
     /// The scene at a value.
     pub scene: fn(f64) -> Scene,
-    pub truth: Truth,
+    /// `None` where no truth is looked for: the motion is too long, or its phase is no concern.
+    pub truth: Option<FineRun>,
 }
 
 /// How long the runs of a scan are.
@@ -50,14 +51,12 @@ pub enum Length {
     Steps,
 }
 
-/// How the truth of a scene is found.
+/// The run that the truth of a scene is taken from where the reference does not come far: an engine at a fine step, in units
+/// of the clock, which is halved to see how far the two agree.
 #[derive(Clone, Copy, Debug)]
-pub enum Truth {
-    /// Not at all: the motion is too long, or its phase is no concern.
-    Unknown,
-    /// By the reference or, where that does not come far, by an engine at a fine step, in units of the clock, which is halved
-    /// to see how far the two agree.
-    Fine { engine: &'static str, step: fn(f64) -> f64 },
+pub struct FineRun {
+    pub engine: &'static str,
+    pub step: fn(f64) -> f64,
 }
 
 /// The clock of most scans.

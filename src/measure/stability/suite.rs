@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::cell::{Case, Cell, Finding};
 use super::scan::{Family, Scan};
-use super::truth::Known;
+use super::true_samples::TrueSamples;
 use crate::engines::Spec;
 use crate::measure::threads;
 
@@ -101,7 +101,7 @@ pub fn run(
     done: &(dyn Fn(&Cell, Finding) + Sync),
 ) {
     let groups = groups(cells);
-    let truths: Vec<OnceLock<Option<Known>>> = groups.iter().map(|_| OnceLock::new()).collect();
+    let truths: Vec<OnceLock<Option<TrueSamples>>> = groups.iter().map(|_| OnceLock::new()).collect();
     let truth = |g: usize| truths[g].get_or_init(|| groups[g][0].case.truth(interrupted)).as_ref();
     let tasks = tasks(&groups);
     threads::each(jobs, &tasks, |task| {

@@ -7,7 +7,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Failure, PhaseChart};
+use super::failure::Failure;
+use super::phase_chart::PhaseChart;
 use crate::mechanics::State;
 
 /// Newton iterations that close the rows at most.

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Failure, Phase, StateMap, scale_at};
+use super::failure::{Failure, StateMap};
+use super::phase::{Phase, scale_at};
 use crate::mechanics::{State, System};
 
 /// A figure that was found by differences, and what the differences err by.
@@ -16,7 +17,7 @@ pub struct Differenced {
 
 /// Increments of the differences, in rad, m, rad/s and m/s. A long one errs by its sixth power, a short one by roundoff,
 /// which single precision makes 10^9 times larger; so another pair suits each engine.
-pub const REACHES: [f64; 5] = [6.4e-2, 1.6e-2, 4e-3, 1.6e-3, 6.4e-4];
+pub const INCREMENTS: [f64; 5] = [6.4e-2, 1.6e-2, 4e-3, 1.6e-3, 6.4e-4];
 
 /// Symplecticity defect of a map at a state, with the coordinates moved back by `lag` s. Of all neighbouring increments
 /// the pair is taken that agrees best, and the defect is that of its shorter one.
@@ -28,8 +29,8 @@ pub fn symplecticity(system: &System, state: &State, lag: f64, map: &StateMap) -
     let mut best: Option<Differenced> = None;
     let mut last: Option<DMatrix<f64>> = None;
     let mut failure = Failure::NotFinite;
-    for reach in REACHES {
-        let derivative = match step.derivative(reach) {
+    for increment in INCREMENTS {
+        let derivative = match step.derivative(increment) {
             Ok(derivative) => derivative,
             Err(stop @ (Failure::Interrupted | Failure::OverBudget { .. })) => return Err(stop),
             Err(other) => {
@@ -59,11 +60,11 @@ pub fn defect_by(
     system: &System,
     state: &State,
     lag: f64,
-    reach: f64,
+    increment: f64,
     map: &StateMap,
 ) -> Result<DMatrix<f64>, Failure> {
     let step = Step::new(system, state, lag, map)?;
-    Ok(step.defect(&step.derivative(reach)?))
+    Ok(step.defect(&step.derivative(increment)?))
 }
 
 /// A step from one state, with charts at both ends.
@@ -85,9 +86,9 @@ impl<'a> Step<'a> {
     }
 
     /// `A` by differences.
-    fn derivative(&self, reach: f64) -> Result<DMatrix<f64>, Failure> {
+    fn derivative(&self, increment: f64) -> Result<DMatrix<f64>, Failure> {
         let moved = |y: &DVector<f64>| self.there.point(&(self.map)(&self.here.system(y)?)?);
-        let derivative = central_difference(&self.start, reach, moved)?;
+        let derivative = central_difference(&self.start, increment, moved)?;
         if derivative.iter().all(|x| x.is_finite()) { Ok(derivative) } else { Err(Failure::NotFinite) }
     }
 

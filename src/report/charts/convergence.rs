@@ -2,8 +2,9 @@
 
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
+use super::chart::Chart;
 use super::panel::{Label, Panel, Words};
-use super::{Chart, legend, style};
+use super::{legend, style};
 use crate::measure::convergence::Verdict;
 use crate::report::record::front::{error, family};
 use crate::report::record::report::Report;

@@ -3,6 +3,7 @@
 mod axis;
 pub mod broken_bound;
 mod canvas;
+mod chart;
 mod constraint_violation;
 mod convergence;
 pub mod cost;
@@ -17,20 +18,8 @@ pub mod theory;
 mod time_panels;
 mod work_precision;
 
-use super::Report;
-
 pub use canvas::ChartError;
-
-/// A chart of a report.
-#[derive(Debug)]
-pub struct Chart {
-    /// Name of the file, without the folder.
-    pub file: &'static str,
-    /// What it shows, for readers who cannot see it.
-    pub caption: &'static str,
-    /// Draws it as PNG; `None` where the report has nothing to show in it.
-    pub draw: fn(&Report) -> Result<Option<Vec<u8>>, ChartError>,
-}
+pub use chart::Chart;
 
 /// All charts, in the order of the page. A new one is one file and one line here.
 pub const CHARTS: [Chart; 6] = [

@@ -2,8 +2,9 @@
 
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
+use super::chart::Chart;
 use super::panel::{Panel, Words};
-use super::{Chart, legend, style};
+use super::{legend, style};
 use crate::report::record::report::Report;
 use crate::report::record::run::Run;
 use crate::report::words::number::duration;

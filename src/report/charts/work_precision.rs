@@ -3,9 +3,10 @@
 
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
+use super::chart::Chart;
 use super::panel::{Label, Panel, Words};
 use super::style::BEST_OF_RAPIER;
-use super::{Chart, legend, style};
+use super::{legend, style};
 use crate::report::record::front::{self, cost, error, family};
 use crate::report::record::report::Report;
 use crate::report::record::run::Run;

@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Family, Length, ROD_LENGTH, ROD_RADIUS, SCAN, Scan, Truth, closure, start};
+use super::common::{ROD_LENGTH, ROD_RADIUS, SCAN, closure, start};
+use crate::measure::stability::scan::{Family, FineRun, Length, Scan};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::LoopKind;
 use crate::model::{Inertial, Scene};
@@ -53,7 +54,7 @@ pub(super) static FAMILY: Family = Family {
             full_values: &[1e-2, 1.0, 1e2, 1e4, 1e6],
             quick_values: &[1.0, 1e6],
             length: Length::Time(1.0),
-            truth: Truth::Fine { engine: "rattle:order=8", step: |_| 1e-3 },
+            truth: Some(FineRun { engine: "rattle:order=8", step: |_| 1e-3 }),
             scene: offset,
             ..SCAN
         },

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{FINE, Family, Length, ROD_LENGTH, ROD_RADIUS, SCAN, Scan, Truth, chain, closure};
+use super::common::{FINE, ROD_LENGTH, ROD_RADIUS, SCAN, chain, closure};
+use crate::measure::stability::scan::{Family, FineRun, Length, Scan};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::LoopKind;
 use crate::model::{Inertial, Scene};
@@ -15,7 +16,7 @@ const CHAIN: Scan = Scan {
     quick_values: &[10.0, 50.0],
     full_steps: &[0.01, 1.0 / 240.0, 0.001],
     length: Length::Time(2.0),
-    truth: Truth::Fine { engine: "rattle:order=4", step: |links| if links > 100.0 { 1e-2 } else { 2e-3 } },
+    truth: Some(FineRun { engine: "rattle:order=4", step: |links| if links > 100.0 { 1e-2 } else { 2e-3 } }),
     ..SCAN
 };
 
@@ -47,7 +48,7 @@ pub(super) static FAMILY: Family = Family {
             full_steps: &[0.01, 1.0 / 240.0, 0.001],
             length: Length::Time(1.0),
             scene: net,
-            truth: FINE,
+            truth: Some(FINE),
             ..CHAIN
         },
     ],

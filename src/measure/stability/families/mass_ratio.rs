@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Family, Length, ROD_LENGTH, ROD_RADIUS, SCAN, Scan, Truth, chain};
+use super::common::{ROD_LENGTH, ROD_RADIUS, SCAN, chain};
+use crate::measure::stability::scan::{Family, FineRun, Length, Scan};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::{Inertial, Scene};
 
@@ -14,7 +15,7 @@ const TIP: Scan = Scan {
     full_values: RATIOS,
     quick_values: QUICK_RATIOS,
     length: Length::Time(3.0),
-    truth: Truth::Fine { engine: "rattle:order=8", step: |ratio| if ratio > 10.0 { 1e-4 } else { 1e-3 } },
+    truth: Some(FineRun { engine: "rattle:order=8", step: |ratio| if ratio > 10.0 { 1e-4 } else { 1e-3 } }),
     ..SCAN
 };
 
@@ -30,7 +31,7 @@ pub(super) static FAMILY: Family = Family {
             name: "tip_of_20",
             title: "twenty rods, the last light or heavy",
             scene: |r| tip(20, r),
-            truth: Truth::Fine { engine: "rattle:order=4", step: |ratio| if ratio > 10.0 { 5e-4 } else { 1e-3 } },
+            truth: Some(FineRun { engine: "rattle:order=4", step: |ratio| if ratio > 10.0 { 5e-4 } else { 1e-3 } }),
             ..TIP
         },
         Scan {

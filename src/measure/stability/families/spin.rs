@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
-use super::{EXPLICIT, Family, Length, SCAN, Scan, Truth, start};
+use super::common::{EXPLICIT, SCAN, start};
+use crate::measure::stability::scan::{Family, FineRun, Length, Scan};
 use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::JointInitial;
 use crate::model::{Base, Inertial, Scene};
@@ -13,7 +14,7 @@ const SPIN: Scan = Scan {
     quick_values: &[10.0, 300.0, 3000.0],
     full_steps: &[0.01, 1.0 / 240.0, 0.001, 1e-4, 1e-5],
     length: Length::Time(1.0),
-    truth: Truth::Fine { engine: "rattle:order=8", step: |spin| (0.3 / spin).min(1e-3) },
+    truth: Some(FineRun { engine: "rattle:order=8", step: |spin| (0.3 / spin).min(1e-3) }),
     ..SCAN
 };
 

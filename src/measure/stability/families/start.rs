@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
-use super::{Family, Length, SCAN, Scan, chain, closure, start};
+use super::common::{SCAN, chain, closure, start};
+use crate::measure::stability::scan::{Family, Length, Scan};
 use crate::model::Inertial;
 use crate::model::Scene;
 use crate::model::assemble::{Assembly, Mount};

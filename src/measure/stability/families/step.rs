@@ -1,6 +1,7 @@
 //! Tiny steps, and very many of them.
 
-use super::{EXPLICIT, FINE, Family, Length, SCAN, Scan, Truth, chain};
+use super::common::{EXPLICIT, FINE, SCAN, chain};
+use crate::measure::stability::scan::{Family, Length, Scan};
 
 pub(super) static FAMILY: Family = Family {
     name: "step",
@@ -18,7 +19,7 @@ pub(super) static FAMILY: Family = Family {
             quick_steps: &[0.01, 1e-4],
             length: Length::Time(1.0),
             scene: |links| chain(links as usize, |_| 1.0, 0.1),
-            truth: FINE,
+            truth: Some(FINE),
             ..SCAN
         },
         Scan {
@@ -30,7 +31,7 @@ pub(super) static FAMILY: Family = Family {
             full_steps: &[0.01, 0.001],
             length: Length::Steps,
             scene: |_| chain(1, |_| 1.0, 0.0),
-            truth: Truth::Unknown,
+            truth: None,
             ..SCAN
         },
     ],

@@ -2,14 +2,15 @@
 
 use nalgebra::Vector3;
 
-use super::{EXPLICIT, Family, ROD_LENGTH, SCAN, Scan, Truth, chain};
+use super::common::{EXPLICIT, ROD_LENGTH, SCAN, chain};
+use crate::measure::stability::scan::{Family, FineRun, Scan};
 use crate::model::Scene;
 use crate::model::scene::{Anchor, Spring};
 
 const STIFFNESS: Scan = Scan {
     full_values: &[1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12],
     quick_values: &[1e2, 1e6, 1e12],
-    truth: Truth::Fine { engine: "rattle", step: |_| 2e-5 },
+    truth: Some(FineRun { engine: "rattle", step: |_| 2e-5 }),
     ..SCAN
 };
 

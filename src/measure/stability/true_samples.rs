@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::budget;
-use super::scan::{Scan, Truth};
+use super::scan::{FineRun, Scan};
 use super::watch::{SAMPLES, Watched};
 use crate::engines::{self, Spec, reference};
 use crate::measure::Horizon;
@@ -27,7 +27,7 @@ const REFERENCE: f64 = 2.0;
 
 /// States of a scene at the sample times, as far as they are known.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct TrueSamples {
     /// At `t = k T / SAMPLES` for `k = 1, 2, ...`; as many as can be trusted.
     states: Vec<State>,
     /// What positions are divided by, m.
@@ -38,10 +38,10 @@ pub struct Known {
     pub method: String,
 }
 
-impl Known {
+impl TrueSamples {
     /// No truth to be had.
-    pub fn nothing() -> Known {
-        Known { states: Vec::new(), length: 1.0, disagreement: 0.0, method: String::new() }
+    pub fn nothing() -> TrueSamples {
+        TrueSamples { states: Vec::new(), length: 1.0, disagreement: 0.0, method: String::new() }
     }
 
     /// The part of the run over which the truth is known.
@@ -66,8 +66,8 @@ impl Known {
 /// Finds the truth of a scene at a value of its scan: that of the reference, whose coordinates and whose code are not those of
 /// the engines that are judged, unless a fine run comes further. `None` where it was interrupted; a truth without
 /// states where there is none to be had.
-pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) -> Option<Known> {
-    let Some((spec, steps)) = plan(scan, value) else { return Some(Known::nothing()) };
+pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) -> Option<TrueSamples> {
+    let Some((spec, steps)) = plan(scan, value) else { return Some(TrueSamples::nothing()) };
     let duration = scan.duration(value, 1.0);
     let (independent, ended) = by_reference(system, duration, interrupted);
     if interrupted.load(Ordering::Relaxed) {
@@ -84,14 +84,14 @@ pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) 
     let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
     let method = format!("{spec} at {:.1e} s and half of that", duration / steps as f64);
     let states = fine.into_iter().take(known).map(|(_, state)| state).collect();
-    let ours = Known { states, length, disagreement, method };
+    let ours = TrueSamples { states, length, disagreement, method };
     let longer = independent.part() >= LEAST_KNOWN && independent.part() >= ours.part();
     Some(if longer { independent } else { ours })
 }
 
 /// The samples of the reference as far as its two tolerances agree, within the cost [`REFERENCE`]; and whether they end at
 /// the end of the run or where the two part, and not where the means were spent.
-fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (Known, bool) {
+fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (TrueSamples, bool) {
     let length = LinkLengths::of(system).longest_path;
     let times: Vec<f64> = (1..=SAMPLES).map(|k| k as f64 * duration / SAMPLES as f64).collect();
     let mut differences = Vec::new();
@@ -106,7 +106,7 @@ fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (Kn
     states.truncate(known);
     let disagreement = differences[..known].iter().copied().fold(0.0, f64::max);
     let ended = known as u64 == SAMPLES || known < differences.len();
-    (Known { states, length, disagreement, method: "reference".to_string() }, ended)
+    (TrueSamples { states, length, disagreement, method: "reference".to_string() }, ended)
 }
 
 /// Steps of either tolerance that the reference may try.
@@ -116,7 +116,7 @@ fn reference_steps(system: &System) -> u64 {
 
 /// The engine of the truth of a case, and the number of steps of its coarser run.
 fn plan(scan: &Scan, value: f64) -> Option<(Spec, u64)> {
-    let Truth::Fine { engine, step } = scan.truth else { return None };
+    let FineRun { engine, step } = scan.truth?;
     let part = scan.duration(value, 1.0) / SAMPLES as f64;
     let per_part = (part / (step(value) * (scan.clock)(value)) * (1.0 - 1e-9)).ceil().max(1.0) as u64;
     Some((Spec::parse(engine).ok()?, per_part * SAMPLES))

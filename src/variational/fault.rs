@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::forces::JointForce;
-use super::joints::Motion;
+use super::chain::Motion;
+use super::force::joint::JointForce;
 use super::rattle::{Failure, Rattle};
-use super::spatial::{Spatial, Wrench};
+use super::tree::spatial::{Spatial, Wrench};
 use crate::mechanics::State;
 
 /// A known way to get the method wrong.
@@ -99,7 +99,7 @@ impl Faulty {
     /// of the step. With that at the end it would not show: the next step's multipliers would make up for it.
     fn drop_multiplier(&mut self) {
         let Rattle { now, trial, .. } = &mut self.rattle;
-        let (arm, axis) = (now.places[1].arm, now.pose[1].r.column(0).into_owned());
+        let (arm, axis) = (now.frames[1].arm, now.pose[1].r.column(0).into_owned());
         let back = Motion { s: -trial.bodies[1].motion.s, ..Motion::NONE };
         let at_start = arm + back.turned(&arm);
         let lost = Spatial::new(-axis * axis.dot(&trial.wrench[1].linear), Vector3::zeros()).wrench_from(&at_start);

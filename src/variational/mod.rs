@@ -6,24 +6,16 @@
 //! for it, [`substep`] takes a step that fails in halves. Loops, couplings and springs between points are rows across the tree, whose Schur complement is
 //! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
 
-mod bonds;
+mod chain;
 mod closing;
 mod compensated;
 #[doc(hidden)]
 pub mod fault;
-mod forces;
-mod free_body;
-mod joints;
-mod loops;
+mod force;
 pub mod method;
-mod newton;
-mod orthogonal;
-mod parts;
 mod predictor;
 pub mod rattle;
 pub mod rotation;
-mod rows;
-mod spatial;
 mod tree;
 
 pub use closing::counters::Counters;

@@ -5,8 +5,8 @@
 //! kept in the joint and not as an impulse on the bodies: an impulse of the last step does not lie in the range of
 //! `G(q0)^T` and would pump energy in.
 
-use super::joints::Pose;
-use super::spatial::{Spatial, Wrench};
+use super::chain::Pose;
+use super::tree::spatial::{Spatial, Wrench};
 
 /// Wrenches that are remembered: a polynomial of degree six. On chains of 10 and 100 rods at h = 1e-3 the iteration takes
 /// 3.1 and 3.7 rounds with degree three, 2.0 and 2.3 with degree six.

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::variational::joints::Node;
-use crate::variational::loops::StepEnergy;
+use crate::variational::chain::Node;
+use crate::variational::force::jump::StepEnergy;
 use crate::variational::rattle::{Failure, Rattle};
-use crate::variational::spatial::Spatial;
+use crate::variational::tree::spatial::Spatial;
 
 /// The part of the kinetic energy between the half kicks that may be that of the kick: of a first solution, and of one that no
 /// lower degree of the extrapolation betters. In whips of 10 to 50 links with `h |Omega|` near 1 right solutions have up to

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use crate::variational::bonds::Trying;
-use crate::variational::joints::Moved;
-use crate::variational::newton::{Tried, turning_inertia};
-use crate::variational::parts::Parts;
+use crate::variational::chain::RelativeMotion;
+use crate::variational::force::Parts;
+use crate::variational::force::bond::Trying;
 use crate::variational::rattle::Rattle;
 use crate::variational::rattle::kick::kick_joint;
-use crate::variational::spatial::{Spatial, Twist};
+use crate::variational::tree::newton::{Tried, turning_inertia};
+use crate::variational::tree::spatial::{Spatial, Twist};
 use crate::variational::tree::{Singular, Tree};
 
 impl Rattle {
@@ -26,15 +26,15 @@ impl Rattle {
     fn correct_plain(&mut self, h: f64) {
         let gravity = self.first_kick(h);
         let (nodes, now, trial) = (&self.chain.nodes, &mut self.now, &mut self.trial);
-        let (places, bias, wrench, bodies) = (&now.places, &trial.bias, &mut trial.wrench, &mut trial.bodies);
+        let (frames, bias, wrench, bodies) = (&now.frames, &trial.bias, &mut trial.wrench, &mut trial.bodies);
         now.tree.correct(
             nodes,
-            places,
+            frames,
             |i| bias[i],
             |_| Vector3::zeros(),
             |i, _, f| {
                 wrench[i] += f;
-                kick_joint(bodies, nodes, places, i, &gravity, &wrench[i]);
+                kick_joint(bodies, nodes, frames, i, &gravity, &wrench[i]);
             },
         );
     }
@@ -53,7 +53,7 @@ impl Rattle {
         let (nodes, now, wrench) = (&self.chain.nodes, &mut self.now, &mut self.trial.wrench);
         if let Some(parts) = &mut self.parts {
             let tree = parts.implicit.as_mut().unwrap_or(&mut now.tree);
-            loops.correct(h, tree, nodes, &now.places, |i, f| wrench[i] += f);
+            loops.correct(h, tree, nodes, &now.frames, |i, f| wrench[i] += f);
             parts.loops = Some(loops);
         }
         self.kick(h);
@@ -63,16 +63,16 @@ impl Rattle {
     fn correct_joints(&mut self, mut twist: impl FnMut(usize, &Twist)) {
         let (nodes, now, trial) = (&self.chain.nodes, &mut self.now, &mut self.trial);
         let Some(Parts { forces, implicit, excess, .. }) = self.parts.as_deref_mut() else { return };
-        let (places, bias, wrench) = (&now.places, &trial.bias, &mut trial.wrench);
+        let (frames, bias, wrench) = (&now.frames, &trial.bias, &mut trial.wrench);
         let tree = implicit.as_mut().unwrap_or(&mut now.tree);
         let add = |i: usize, v: &Twist, f| {
             wrench[i] += f;
             twist(i, v);
         };
         if forces.is_empty() {
-            tree.correct(nodes, places, |i| bias[i], |_| Vector3::zeros(), add);
+            tree.correct(nodes, frames, |i| bias[i], |_| Vector3::zeros(), add);
         } else {
-            tree.correct(nodes, places, |i| bias[i], |i| excess[i], add);
+            tree.correct(nodes, frames, |i| bias[i], |i| excess[i], add);
         }
     }
 
@@ -80,11 +80,11 @@ impl Rattle {
     fn correct_loaded(&mut self, h: f64) {
         let Some(parts) = &mut self.parts else { return };
         let mut tree = std::mem::replace(parts.implicit.as_mut().unwrap_or(&mut self.now.tree), Tree::EMPTY);
-        tree.load(&self.chain.nodes, &self.now.places, |i| self.imbalance(i, h));
+        tree.load(&self.chain.nodes, &self.now.frames, |i| self.imbalance(i, h));
         let (bias, wrench) = (&self.trial.bias, &mut self.trial.wrench);
         let along = |i: usize| self.parts.as_ref().map_or(Vector3::zeros(), |parts| parts.excess[i]);
-        tree.correct_loaded(&self.chain.nodes, &self.now.places, |i| bias[i], along, |i, _, f| wrench[i] += f);
-        self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.now.places[i].arm));
+        tree.correct_loaded(&self.chain.nodes, &self.now.frames, |i| bias[i], along, |i, _, f| wrench[i] += f);
+        self.correct_light(h, |rattle, i| tree.twist(i).twist_at(&-rattle.now.frames[i].arm));
         if let Some(parts) = &mut self.parts {
             *parts.implicit.as_mut().unwrap_or(&mut self.now.tree) = tree;
         }
@@ -99,13 +99,13 @@ impl Rattle {
         self.linearise(h);
         let (nodes, now) = (&self.chain.nodes, &self.now);
         let (newton, wrench, bodies) = (&mut self.trial.newton, &mut self.trial.wrench, &self.trial.bodies);
-        newton.correct(nodes, &now.places, h, |i, f| wrench[i] += f)?;
+        newton.correct(nodes, &now.frames, h, |i, f| wrench[i] += f)?;
         if let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) {
-            let at = Trying { nodes, pose: &now.pose, places: &now.places, motion: &|i| bodies[i].motion };
+            let at = Trying { nodes, pose: &now.pose, frames: &now.frames, motion: &|i| bodies[i].motion };
             loops.correct_exactly(h, newton, &at, |i, f| wrench[i] += f)?;
         }
         self.correct_light(h, |rattle, i| {
-            let (arm, motion) = (&rattle.now.places[i].arm, &rattle.trial.bodies[i].motion);
+            let (arm, motion) = (&rattle.now.frames[i].arm, &rattle.trial.bodies[i].motion);
             rattle.trial.newton.motion(i).twist_at(&-(arm + motion.turned(arm)))
         });
         self.kick(h);
@@ -115,14 +115,14 @@ impl Rattle {
     /// Hands the configuration that is being tried to the exact linearisation.
     fn linearise(&mut self, h: f64) {
         for i in 1..self.chain.nodes.len() {
-            let (node, place, trial) = (&self.chain.nodes[i], &self.now.places[i], &self.trial.bodies[i]);
+            let (node, frame, trial) = (&self.chain.nodes[i], &self.now.frames[i], &self.trial.bodies[i]);
             let parent = &self.trial.bodies[node.parent].motion;
             let k = self.memory.rules[i].derivative(&node.inertia, &trial.s, &trial.hm);
             let parts = self.parts.as_deref();
             self.trial.newton.tried[i] = Tried {
                 motion: trial.motion,
                 inertia: turning_inertia(&self.now.pose[i].r, &trial.s, &k),
-                turn: Moved::new(place, &self.now.places[node.parent].arm, &trial.motion, parent).turn,
+                turn: RelativeMotion::new(frame, &self.now.frames[node.parent].arm, &trial.motion, parent).turn,
                 locked: self.trial.bias[i].scaled(-h),
                 along: parts.map_or(Vector3::zeros(), |parts| parts.excess[i]),
                 implicit: parts.map_or(0.0, |parts| node.force.map_or(0.0, |k| parts.forces[k].implicit(h))),
@@ -137,7 +137,7 @@ impl Rattle {
         let (nodes, trial) = (&self.chain.nodes, &mut self.trial);
         // Parents come before their children.
         for i in 1..nodes.len() {
-            kick_joint(&mut trial.bodies, nodes, &self.now.places, i, &gravity, &trial.wrench[i]);
+            kick_joint(&mut trial.bodies, nodes, &self.now.frames, i, &gravity, &trial.wrench[i]);
         }
         self.kick_parts();
     }

@@ -3,9 +3,8 @@
 use nalgebra::Vector3;
 
 use super::progress::Measured;
-use crate::mechanics::JointKind;
-use crate::variational::joints::{Moved, coordinates_of};
-use crate::variational::parts::Parts;
+use crate::variational::chain::{RelativeMotion, coordinates_of};
+use crate::variational::force::Parts;
 use crate::variational::rattle::failure::Open;
 use crate::variational::rattle::kick::blocks;
 use crate::variational::rattle::project::RETURN;
@@ -35,8 +34,10 @@ impl Rattle {
                 measured
             }
         };
+        if measured.residual.is_finite() {
+            return Ok(measured);
+        }
         match measured.place {
-            _ if measured.residual.is_finite() => Ok(measured),
             Open::Joint(body) => Err(Failure::NotFinite { body }),
             Open::Loop(_) => Err(Failure::NotFinite { body: 0 }),
         }
@@ -92,10 +93,10 @@ impl Rattle {
     /// A joint's mismatch, m; angles times the system's length.
     #[inline(always)]
     fn measure_joint(&mut self, h: f64, i: usize) -> f64 {
-        let (node, place, trial) = (&self.chain.nodes[i], &self.now.places[i], &mut self.trial);
+        let (node, frame, trial) = (&self.chain.nodes[i], &self.now.frames[i], &mut self.trial);
         let parent = &trial.bodies[node.parent].motion;
-        let moved = Moved::new(place, &self.now.places[node.parent].arm, &trial.bodies[i].motion, parent);
-        let gap = moved.locked(node, place, parent) + self.now.gap0[i];
+        let moved = RelativeMotion::new(frame, &self.now.frames[node.parent].arm, &trial.bodies[i].motion, parent);
+        let gap = moved.locked(node, frame, parent) + self.now.gap0[i];
         let size = gap.linear.norm() + self.chain.length * gap.angular.norm();
         trial.bias[i] = gap.scaled(-1.0 / h);
         trial.open[i] = size;
@@ -122,7 +123,7 @@ impl Rattle {
         }
         let (bodies, chain) = (&self.trial.bodies, &self.chain);
         if let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) {
-            let worst = loops.measure(h, &chain.nodes, &self.now.places, &|i| bodies[i].motion, chain.length);
+            let worst = loops.measure(h, &chain.nodes, &self.now.frames, &|i| bodies[i].motion, chain.length);
             most.roundoff = most.roundoff.max(f64::EPSILON * worst.roundoff);
             if !(worst.size <= most.residual) {
                 (most.residual, most.place) = (worst.size, Open::Loop(worst.bond));
@@ -135,13 +136,14 @@ impl Rattle {
         let (chain, now, trial) = (&self.chain, &self.now, &self.trial);
         let Some(parts) = &mut self.parts else { return };
         for (i, k) in Parts::forced(&chain.nodes) {
-            let (node, place) = (&chain.nodes[i], &now.places[i]);
+            let (node, frame) = (&chain.nodes[i], &now.frames[i]);
             let (motion, carried) = (&trial.bodies[i].motion, &trial.bodies[node.parent].motion);
-            let travel = Moved::new(place, &now.places[node.parent].arm, motion, carried).travel(node, place, carried);
-            let impulse = coordinates_of(node, place, &trial.wrench[i]);
+            let travel =
+                RelativeMotion::new(frame, &now.frames[node.parent].arm, motion, carried).travel(node, frame, carried);
+            let impulse = coordinates_of(node, frame, &trial.wrench[i]);
             parts.excess[i] = parts.forces[k].excess(travel, impulse);
             // By how much a unit impulse along the joint moves it, times the system's length for an angle.
-            let weight = if node.kind == JointKind::Prismatic { 1.0 } else { chain.length };
+            let weight = if node.slides() { 1.0 } else { chain.length };
             let effect = h.abs() * (weight * parts.tree(&now.tree).compliance(i));
             let size = effect * parts.excess[i].norm();
             if size > most.residual || !size.is_finite() {

@@ -1,9 +1,9 @@
 //! Where the constraint iteration starts.
 
-use crate::variational::joints::keep_locked;
+use crate::variational::chain::keep_locked;
 use crate::variational::rattle::Rattle;
 use crate::variational::rattle::kick::{blocks, kick_joint};
-use crate::variational::spatial::Spatial;
+use crate::variational::tree::spatial::Spatial;
 
 impl Rattle {
     /// (1) with wrenches extrapolated by a polynomial of the given degree, or with none.
@@ -20,9 +20,9 @@ impl Rattle {
                 wrench[i] = weights.map_or(Spatial::ZERO, |w| predictor.impulse(&w, i, &now.pose[i]));
             }
             for i in block.clone().filter(|&i| nodes[i].force.is_none()) {
-                keep_locked(&nodes[i], &now.places[i], &mut wrench[i]);
+                keep_locked(&nodes[i], &now.frames[i], &mut wrench[i]);
             }
-            block.for_each(|i| kick_joint(bodies, nodes, &now.places, i, &gravity, &wrench[i]));
+            block.for_each(|i| kick_joint(bodies, nodes, &now.frames, i, &gravity, &wrench[i]));
         }
         self.kick_parts();
     }

@@ -12,7 +12,7 @@
 use super::stop::last_round;
 use crate::variational::rattle::Rattle;
 use crate::variational::rattle::kick::kick_joint;
-use crate::variational::spatial::{Spatial, Twist, Wrench};
+use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 
 /// Joints of the head that need no more rounds themselves. From rod to rod a correction across a chain falls to a half; what reaches the tail
 /// must be small beside what it has to correct itself.
@@ -99,7 +99,7 @@ impl Rattle {
 
     /// Whether its next correction is still the last of a tail, which has been carried along by those that it has missed.
     pub(super) fn still_settled(&self, tail: &Tail, h: f64, roundoff: f64) -> bool {
-        let missed = tail.missed.twist_at(&self.now.places[tail.first].offset);
+        let missed = tail.missed.twist_at(&self.now.frames[tail.first].offset);
         let carried = h.abs() * (missed.linear.norm() + self.chain.length * missed.angular.norm());
         last_round(true, tail.residual + carried, tail.contraction, roundoff.max(tail.roundoff)).is_some()
     }
@@ -107,15 +107,15 @@ impl Rattle {
     /// One round of the chord iteration on the nodes before a tail, and (1) for them.
     pub(super) fn correct_head(&mut self, tail: &mut Tail, h: f64) {
         let gravity = self.first_kick(h);
-        let (nodes, places, bias) = (&self.chain.nodes, &self.now.places, &self.trial.bias);
+        let (nodes, frames, bias) = (&self.chain.nodes, &self.now.frames, &self.trial.bias);
         let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         tail.missed += self.now.tree.correct_head(
-            places,
+            frames,
             tail.first,
             |i| bias[i],
             |i, _, f| {
                 wrench[i] += f;
-                kick_joint(trial, nodes, places, i, &gravity, &wrench[i]);
+                kick_joint(trial, nodes, frames, i, &gravity, &wrench[i]);
             },
         );
     }
@@ -123,16 +123,16 @@ impl Rattle {
     /// One round on all nodes, in which a tail makes up for what it has missed, and (1).
     pub(super) fn correct_all(&mut self, tail: &Tail, h: f64) {
         let gravity = self.first_kick(h);
-        let (nodes, places, bias) = (&self.chain.nodes, &self.now.places, &self.trial.bias);
+        let (nodes, frames, bias) = (&self.chain.nodes, &self.now.frames, &self.trial.bias);
         let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         wrench[tail.first] = tail.wrench;
         self.now.tree.correct_all(
-            places,
+            frames,
             (tail.first, &tail.missed),
             |i| bias[i],
             |i, _, f| {
                 wrench[i] += f;
-                kick_joint(trial, nodes, places, i, &gravity, &wrench[i]);
+                kick_joint(trial, nodes, frames, i, &gravity, &wrench[i]);
             },
         );
     }
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn a_tail_makes_up_for_the_corrections_that_it_has_missed() {
         let mut rattle = chain(40);
-        let (tail, places) = (15, rattle.now.places.clone());
+        let (tail, frames) = (15, rattle.now.frames.clone());
         let bias = |i: usize| {
             let x = i as f64;
             Spatial::new(Vector3::new(x.sin(), x.cos(), 0.3), Vector3::new(0.1, x.sin(), 0.2))
@@ -190,11 +190,11 @@ mod tests {
         let n = rattle.chain.nodes.len();
         let (mut expected, mut found) = (vec![Spatial::ZERO; n], vec![Spatial::ZERO; n]);
         let none = |_: usize| Vector3::zeros();
-        rattle.now.tree.correct(&rattle.chain.nodes, &places, bias, none, |i, _, f| expected[i] = f);
-        let missed = rattle.now.tree.correct_head(&places, tail, bias, |i, _, f| found[i] = f);
+        rattle.now.tree.correct(&rattle.chain.nodes, &frames, bias, none, |i, _, f| expected[i] = f);
+        let missed = rattle.now.tree.correct_head(&frames, tail, bias, |i, _, f| found[i] = f);
         found[tail] = Spatial::ZERO;
         let rest = |i: usize| if i < tail { Spatial::ZERO } else { bias(i) };
-        rattle.now.tree.correct_all(&places, (tail, &missed), rest, |i, _, f| found[i] += f);
+        rattle.now.tree.correct_all(&frames, (tail, &missed), rest, |i, _, f| found[i] += f);
         let size = expected.iter().map(|f| f.linear.norm()).fold(0.0, f64::max);
         for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
             let error = (a.linear - b.linear).norm() + (a.angular - b.angular).norm();

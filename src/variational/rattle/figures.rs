@@ -2,7 +2,7 @@
 
 use super::state::Rattle;
 use crate::variational::closing::counters::Counters;
-use crate::variational::loops::Loops;
+use crate::variational::force::loops::Loops;
 
 impl Rattle {
     /// The body that the forces in the joints would swing fastest, by index, and how fast, rad/s: a body with the forces `F_j` at

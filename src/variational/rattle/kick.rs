@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::state::BodyTrial;
-use crate::variational::joints::{Node, Place};
-use crate::variational::spatial::{Spatial, Wrench};
+use crate::variational::chain::{JointFrame, Node};
+use crate::variational::tree::spatial::{Spatial, Wrench};
 
 /// Nodes that stay in the nearest cache while one loop after another goes over them. One loop that did all for a node would read
 /// what it has just written before the processor has put it together.
@@ -37,14 +37,14 @@ impl Gravity {
 pub(in crate::variational) fn add_joint_impulse(
     bodies: &mut [BodyTrial],
     nodes: &[Node],
-    places: &[Place],
+    frames: &[JointFrame],
     i: usize,
     wrench: &Wrench,
 ) {
-    let (place, parent) = (&places[i], nodes[i].parent);
-    bodies[i].kick += wrench.wrench_from(&place.arm);
+    let (frame, parent) = (&frames[i], nodes[i].parent);
+    bodies[i].kick += wrench.wrench_from(&frame.arm);
     if parent > 0 {
-        bodies[parent].kick -= wrench.wrench_from(&(places[parent].arm + place.offset));
+        bodies[parent].kick -= wrench.wrench_from(&(frames[parent].arm + frame.offset));
     }
 }
 
@@ -53,11 +53,11 @@ pub(in crate::variational) fn add_joint_impulse(
 pub(in crate::variational) fn kick_joint(
     bodies: &mut [BodyTrial],
     nodes: &[Node],
-    places: &[Place],
+    frames: &[JointFrame],
     i: usize,
     gravity: &Gravity,
     wrench: &Wrench,
 ) {
     bodies[i].kick = Spatial::new(gravity.impulse(nodes[i].mass), Vector3::zeros());
-    add_joint_impulse(bodies, nodes, places, i, wrench);
+    add_joint_impulse(bodies, nodes, frames, i, wrench);
 }

@@ -19,10 +19,9 @@ use nalgebra::Vector3;
 
 use super::project::world_inertia;
 use super::state::Rattle;
-use crate::mechanics::JointKind;
+use crate::variational::chain::Node;
 use crate::variational::compensated::Compensated;
-use crate::variational::joints::Node;
-use crate::variational::spatial::{Spatial, Twist, Wrench};
+use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 
 /// Mass or moments, over those of the heaviest body behind, below which a body counts as light; and moments over mass times
 /// the square of the system's length.
@@ -48,10 +47,10 @@ pub(super) fn mark(nodes: &mut [Node], length: f64, all: bool) {
         let own = moment + mass * length * length;
         let whole = (sum.0 + mass, sum.1 + own);
         let node = &mut nodes[i];
-        let bob = node.kind != JointKind::Floating && moment < LIGHT * mass * length * length;
+        let bob = !node.is_free() && moment < LIGHT * mass * length * length;
         node.light = moment == 0.0 || (all && (bob || mass < LIGHT * most.0 || moment < LIGHT * most.1));
         if node.light {
-            node.least = NONE * if node.kind == JointKind::Prismatic { whole.0 } else { whole.1 };
+            node.least = NONE * if node.slides() { whole.0 } else { whole.1 };
         }
         let parent = &mut behind[node.parent];
         parent.sum = (parent.sum.0 + whole.0, parent.sum.1 + whole.1);
@@ -86,7 +85,7 @@ impl Rattle {
     pub(in crate::variational) fn start_light(&mut self, h: f64) {
         for k in 0..self.light().len() {
             let i = self.light()[k];
-            let v = self.now.twist[i].twist_at(&-self.now.places[i].arm);
+            let v = self.now.twist[i].twist_at(&-self.now.frames[i].arm);
             self.trial.bodies[i].motion.dx = h * v.linear;
             self.turn_light(i, &Vector3::zeros(), &(h * v.angular));
         }
@@ -104,7 +103,7 @@ impl Rattle {
             if size > worst || !size.is_finite() {
                 (joint, worst) = (i - 1, size);
             }
-            let lever = self.now.places[i].arm.norm() + self.chain.length;
+            let lever = self.now.frames[i].arm.norm() + self.chain.length;
             let impulses = moved(f, self.trial.wrench[i].angular.norm() + lever * f);
             let motion = &self.trial.bodies[i].motion;
             roundoff = roundoff.max(impulses).max(motion.dx.norm() + 2.0 * self.chain.length * motion.s.norm());
@@ -148,7 +147,7 @@ impl Rattle {
     pub(super) fn project_light(&mut self) {
         for k in 0..self.light().len() {
             let i = self.light()[k];
-            let v = self.now.twist[i].twist_at(&-self.now.places[i].arm);
+            let v = self.now.twist[i].twist_at(&-self.now.frames[i].arm);
             let spin = world_inertia(&self.chain.nodes[i], &self.now.pose[i]) * v.angular;
             self.trial.bodies[i].kick = Spatial::ZERO;
             self.set_momentum(i, &Spatial::new(v.linear * self.chain.nodes[i].mass, spin));

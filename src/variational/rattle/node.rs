@@ -43,7 +43,7 @@ impl Rattle {
     /// How the bodies turn in the present state, from the twists that fit the joints.
     pub(in crate::variational) fn turning(&self) -> impl Iterator<Item = Turning> {
         (1..self.chain.nodes.len()).map(|i| {
-            let (node, twist) = (&self.chain.nodes[i], self.now.twist[i].twist_at(&-self.now.places[i].arm));
+            let (node, twist) = (&self.chain.nodes[i], self.now.twist[i].twist_at(&-self.now.frames[i].arm));
             let spin = self.now.pose[i].r.tr_mul(&twist.angular);
             let spinning = spin.component_mul(&spin).dot(&node.inertia);
             Turning {

@@ -4,8 +4,8 @@ use super::failure::Failure;
 use super::kick::Gravity;
 use super::project::{RETURN, mobility, world_inertia};
 use super::state::Rattle;
-use crate::variational::forces::JointForce;
-use crate::variational::parts::Parts;
+use crate::variational::force::Parts;
+use crate::variational::force::joint::JointForce;
 use crate::variational::tree::Singular;
 
 impl Rattle {
@@ -28,12 +28,12 @@ impl Rattle {
         forces.iter_mut().for_each(|force| force.begin(now.time.value.x, h));
         if let Some(tree) = implicit {
             let in_joint = |i: usize| nodes[i].force.map_or(0.0, |k| forces[k].implicit(h));
-            tree.factorise(nodes, &now.places, |i| world_inertia(&nodes[i], &now.pose[i]), in_joint)
+            tree.factorise(nodes, &now.frames, |i| world_inertia(&nodes[i], &now.pose[i]), in_joint)
                 .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         }
         if let Some(loops) = loops {
             let tree = implicit.as_ref().unwrap_or(&now.tree);
-            loops.prepare(h, tree, nodes, &now.places, &mobility(nodes, &now.pose));
+            loops.prepare(h, tree, nodes, &now.frames, &mobility(nodes, &now.pose));
         }
         Ok(())
     }
@@ -53,7 +53,7 @@ impl Rattle {
     /// (1) of what acts beside gravity and the joints of the tree.
     pub(in crate::variational) fn kick_parts(&mut self) {
         let Some(loops) = self.parts.as_ref().and_then(|parts| parts.loops.as_ref()) else { return };
-        loops.push(&self.now.places, |i, impulse| self.trial.bodies[i].kick += impulse);
+        loops.push(&self.now.frames, |i, impulse| self.trial.bodies[i].kick += impulse);
     }
 
     /// Gravity in the first half kick of a step of size `h`.

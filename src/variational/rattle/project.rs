@@ -7,11 +7,11 @@ use nalgebra::{Matrix3, Vector3};
 use super::failure::Failure;
 use super::kick::{Gravity, add_joint_impulse, blocks, kick_joint};
 use super::state::Rattle;
-use crate::variational::joints::{Node, Place, Pose, keep_locked, mismatch};
+use crate::variational::chain::{JointFrame, Node, Pose, keep_locked, mismatch};
+use crate::variational::force::Parts;
 use crate::variational::method::Method;
-use crate::variational::parts::Parts;
-use crate::variational::spatial::{Spatial, Wrench};
 use crate::variational::tree::Singular;
+use crate::variational::tree::spatial::{Spatial, Wrench};
 
 /// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is known
 /// to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the step,
@@ -30,12 +30,12 @@ impl Rattle {
     pub(super) fn place_block(&mut self, block: Range<usize>) {
         let (nodes, now) = (&self.chain.nodes, &mut self.now);
         for i in block.clone() {
-            let parent_arm = now.places[nodes[i].parent].arm;
+            let parent_arm = now.frames[nodes[i].parent].arm;
             let (node, pose, parent) = (&nodes[i], &now.pose[i], &now.pose[nodes[i].parent]);
-            now.places[i] = Place::new(node, pose, parent, &parent_arm);
+            now.frames[i] = JointFrame::new(node, pose, parent, &parent_arm);
             now.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
         }
-        block.for_each(|i| now.tree.put_body(nodes, &now.places, i, &world_inertia(&nodes[i], &now.pose[i])));
+        block.for_each(|i| now.tree.put_body(nodes, &now.frames, i, &world_inertia(&nodes[i], &now.pose[i])));
     }
 
     /// Factorises with the joints as they have been placed, for the end of a step of size `h`.
@@ -45,13 +45,13 @@ impl Rattle {
     pub(super) fn factorise(&mut self, h: f64) -> Result<(), Failure> {
         let (nodes, now) = (&self.chain.nodes, &mut self.now);
         let factorised = match &mut self.parts {
-            None => now.tree.factorise_bodies(nodes, &now.places, |_| 0.0),
-            Some(parts) => now.tree.factorise_bodies(nodes, &now.places, |i| parts.late(nodes, i, h)),
+            None => now.tree.factorise_bodies(nodes, &now.frames, |_| 0.0),
+            Some(parts) => now.tree.factorise_bodies(nodes, &now.frames, |i| parts.late(nodes, i, h)),
         };
         factorised.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })?;
         if let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) {
-            loops.place(nodes, &now.pose, &now.places, RETURN);
-            loops.factorise(&now.tree, nodes, &now.places, &mobility(nodes, &now.pose));
+            loops.place(nodes, &now.pose, &now.frames, RETURN);
+            loops.factorise(&now.tree, nodes, &now.frames, &mobility(nodes, &now.pose));
         }
         Ok(())
     }
@@ -76,19 +76,19 @@ impl Rattle {
     /// Where there is nothing but gravity and the joints of a tree.
     fn project_joints(&mut self, gravity: &Gravity) {
         let (nodes, now) = (&self.chain.nodes, &mut self.now);
-        let (places, bodies, twist) = (&now.places, &now.bodies, &mut now.twist);
+        let (frames, bodies, twist) = (&now.frames, &now.bodies, &mut now.twist);
         let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         // (5)
         now.tree.project(
             nodes,
-            places,
+            frames,
             |i| Spatial::new(bodies[i].p.value + gravity.impulse(nodes[i].mass), bodies[i].pi.value),
             |i, v, f| {
                 twist[i] = *v;
                 wrench[i] = f;
                 // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
-                keep_locked(&nodes[i], &places[i], &mut wrench[i]);
-                kick_joint(trial, nodes, places, i, gravity, &wrench[i]);
+                keep_locked(&nodes[i], &frames[i], &mut wrench[i]);
+                kick_joint(trial, nodes, frames, i, gravity, &wrench[i]);
             },
         );
     }
@@ -96,30 +96,30 @@ impl Rattle {
     /// The same with what acts along the joints and across the tree; `second` is whether the joints' impulses act.
     fn project_parts(&mut self, h: f64, part: f64, second: bool) {
         let (nodes, now) = (&self.chain.nodes, &mut self.now);
-        let (places, bodies, twist) = (&now.places, &now.bodies, &mut now.twist);
+        let (frames, bodies, twist) = (&now.frames, &now.bodies, &mut now.twist);
         let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         for i in 1..nodes.len() {
             trial[i].kick = Spatial::new(part * h * nodes[i].mass * self.chain.gravity, Vector3::zeros());
         }
         if let Some(parts) = &mut self.parts {
             for (i, k) in Parts::forced(nodes) {
-                let impulse = parts.forces[k].second_half(&nodes[i], &places[i]);
-                add_joint_impulse(trial, nodes, places, i, &impulse);
+                let impulse = parts.forces[k].second_half(&nodes[i], &frames[i]);
+                add_joint_impulse(trial, nodes, frames, i, &impulse);
             }
             if let Some(loops) = &mut parts.loops {
                 if h != 0.0 {
-                    loops.push_springs(places, |i, impulse| trial[i].kick += impulse);
+                    loops.push_springs(frames, |i, impulse| trial[i].kick += impulse);
                 }
                 let first = loops.first_pass();
                 let momentum = |i: usize| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick;
-                now.tree.project(nodes, places, momentum, |i, v, _| first[i] = *v);
-                loops.project(places, |i, impulse| trial[i].kick += impulse);
+                now.tree.project(nodes, frames, momentum, |i, v, _| first[i] = *v);
+                loops.project(frames, |i, impulse| trial[i].kick += impulse);
             }
         }
         // (5)
         now.tree.project(
             nodes,
-            places,
+            frames,
             |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick,
             |i, v, f| {
                 twist[i] = *v;
@@ -129,10 +129,10 @@ impl Rattle {
         for i in 1..nodes.len() {
             // As above.
             if self.parts.as_ref().is_none_or(|parts| parts.late(nodes, i, h) == 0.0) {
-                keep_locked(&nodes[i], &places[i], &mut wrench[i]);
+                keep_locked(&nodes[i], &frames[i], &mut wrench[i]);
             }
             if second {
-                add_joint_impulse(trial, nodes, places, i, &wrench[i]);
+                add_joint_impulse(trial, nodes, frames, i, &wrench[i]);
             }
         }
     }

@@ -7,15 +7,15 @@ use super::light;
 use super::state::{Chain, Memory, Present, Rattle, Settings, Trial, bodies};
 use super::switching::rules;
 use crate::mechanics::{State, System};
+use crate::variational::chain::{JointFrame, nodes};
 use crate::variational::closing::counters::Counters;
 use crate::variational::compensated::Compensated;
-use crate::variational::joints::{Place, nodes};
+use crate::variational::force::Parts;
 use crate::variational::method::Method;
-use crate::variational::parts::Parts;
 use crate::variational::predictor::{self, Predictor};
 use crate::variational::rotation::Rotation;
-use crate::variational::spatial::Spatial;
 use crate::variational::tree::Tree;
+use crate::variational::tree::spatial::Spatial;
 
 impl Rattle {
     /// Starts from the system's initial state. The momenta are projected onto (5).
@@ -47,7 +47,7 @@ impl Rattle {
                 time: Compensated::new(SVector::zeros()),
                 bodies,
                 pose,
-                places: vec![Place::GROUND; n],
+                frames: vec![JointFrame::GROUND; n],
                 tree,
                 gap0: vec![Spatial::ZERO; n],
                 twist: vec![Spatial::ZERO; n],

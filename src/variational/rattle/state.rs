@@ -5,16 +5,16 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::mechanics::{BodyState, State, System};
+use crate::variational::chain::{JointFrame, Motion, Node, Pose};
 use crate::variational::closing::counters::Counters;
 use crate::variational::compensated::{Compensated, Compensated3};
-use crate::variational::joints::{Motion, Node, Place, Pose};
+use crate::variational::force::Parts;
 use crate::variational::method::Method;
-use crate::variational::newton::Newton;
-use crate::variational::parts::Parts;
 use crate::variational::predictor::Predictor;
 use crate::variational::rotation::Rotation;
-use crate::variational::spatial::{Spatial, Twist, Wrench};
 use crate::variational::tree::Tree;
+use crate::variational::tree::newton::Newton;
+use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 
 /// The integrator: a system, its state, and room for a step. Nothing is allocated after [`Rattle::new`].
 #[derive(Clone, Debug)]
@@ -46,9 +46,9 @@ pub(in crate::variational) struct Present {
     /// Time since the start, s.
     pub time: Compensated<1>,
     pub bodies: Vec<Body>,
-    /// The configuration, the joints' places in it, and its factorisation.
+    /// The configuration, the joints' frames in it, and its factorisation.
     pub pose: Vec<Pose>,
-    pub places: Vec<Place>,
+    pub frames: Vec<JointFrame>,
     pub tree: Tree,
     /// The part of the joints' mismatch there that the next step takes away.
     pub gap0: Vec<Twist>,
@@ -157,7 +157,7 @@ impl Present {
     /// Writes the poses, and the twists that fit the joints.
     pub(super) fn write(&self, out: &mut State) {
         for (i, b) in out.bodies.iter_mut().enumerate() {
-            let twist = self.twist[i + 1].twist_at(&-self.places[i + 1].arm);
+            let twist = self.twist[i + 1].twist_at(&-self.frames[i + 1].arm);
             *b = BodyState {
                 position: self.bodies[i + 1].x.value,
                 attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.bodies[i + 1].q.value)),

@@ -31,7 +31,7 @@ use super::failure::Failure;
 use super::kick::blocks;
 use super::state::Rattle;
 use crate::mechanics::State;
-use crate::variational::joints::Pose;
+use crate::variational::chain::Pose;
 
 impl Rattle {
     /// Takes one step of size `h` (s). After a failure the state is the one before the step; after [`Failure::Singular`] alone it

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::state::Rattle;
-use crate::variational::joints::Node;
+use crate::variational::chain::Node;
 use crate::variational::rotation::Rotation;
 
 /// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
@@ -47,18 +47,15 @@ impl Rattle {
                 | Failure::Singular { .. }
                 | Failure::NotFinite { .. } => None,
             };
-            match body {
-                Some(body) if self.memory.rules[body + 1] == Rotation::MoserVeselov => {
-                    self.memory.rules[body + 1] = Rotation::Splitting;
-                    self.memory.switched.push((body, self.now.time.value.x));
+            let candidate = body.filter(|body| self.memory.rules[body + 1] == Rotation::MoserVeselov);
+            let Some(body) = candidate else {
+                for (body, _) in self.memory.switched.drain(before..) {
+                    self.memory.rules[body + 1] = Rotation::MoserVeselov;
                 }
-                _ => {
-                    for (body, _) in self.memory.switched.drain(before..) {
-                        self.memory.rules[body + 1] = Rotation::MoserVeselov;
-                    }
-                    return Err(failure);
-                }
-            }
+                return Err(failure);
+            };
+            self.memory.rules[body + 1] = Rotation::Splitting;
+            self.memory.switched.push((body, self.now.time.value.x));
         }
     }
 

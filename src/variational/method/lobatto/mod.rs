@@ -32,10 +32,10 @@ mod tableau;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::mechanics::{BodyState, State, System};
+use crate::variational::chain::{JointFrame, Motion, Node, Pose, RelativeMotion, keep_locked, mismatch, nodes};
 use crate::variational::closing::stop::LIMITS;
-use crate::variational::joints::{Motion, Moved, Node, Place, Pose, keep_locked, mismatch, nodes};
 use crate::variational::rattle::{Body, Failure, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
-use crate::variational::spatial::{Spatial, Twist, Wrench};
+use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 use crate::variational::tree::{Singular, Tree};
 use attitude::{Attitude, MOST_ITERATIONS};
 use tableau::{MOST_STAGES, Tableau};
@@ -48,7 +48,7 @@ const STALLED: usize = 3;
 struct Stage {
     /// Change of the position, m.
     dx: Vector3<f64>,
-    place: Place,
+    frame: JointFrame,
     /// The joint's force on the child about its joint point, axes of the joint frame in the parent, N and N m.
     wrench: Wrench,
     /// Force of the joints on the body (N) and what they exert on it beside the moments of these forces (N m), world axes.
@@ -79,11 +79,11 @@ pub struct Lobatto {
     gravity: Vector3<f64>,
     bodies: Vec<Body>,
     pose: Vec<Pose>,
-    places: Vec<Place>,
+    frames: Vec<JointFrame>,
     /// The factorisation at `q0`.
     tree: Tree,
-    /// Joints' places and factorisations at the stages `2 ... s-1`, for the chord iteration.
-    inner: Vec<(Vec<Place>, Tree)>,
+    /// Joints' frames and factorisations at the stages `2 ... s-1`, for the chord iteration.
+    inner: Vec<(Vec<JointFrame>, Tree)>,
     /// The part of the joints' mismatch at the start that the step takes away.
     gap0: Vec<Twist>,
     /// Twists that close the joints at one stage.
@@ -127,7 +127,7 @@ impl Lobatto {
         let tableau = Tableau::new(stages);
         let rest = Stage {
             dx: Vector3::zeros(),
-            place: Place::GROUND,
+            frame: JointFrame::GROUND,
             wrench: Spatial::ZERO,
             load: Spatial::ZERO,
             virial: Matrix3::zeros(),
@@ -139,9 +139,9 @@ impl Lobatto {
             gravity: system.gravity,
             bodies,
             pose,
-            places: vec![Place::GROUND; n],
+            frames: vec![JointFrame::GROUND; n],
             tree: Tree::new(&nodes),
-            inner: vec![(vec![Place::GROUND; n], Tree::new(&nodes)); tableau.stages - 2],
+            inner: vec![(vec![JointFrame::GROUND; n], Tree::new(&nodes)); tableau.stages - 2],
             gap0: vec![Spatial::ZERO; n],
             bias: vec![Spatial::ZERO; n],
             stages: vec![rest; n * tableau.stages],
@@ -210,7 +210,7 @@ impl Lobatto {
                     stage.wrench += wrench.scaled(*weight);
                 }
                 // Extrapolation would let the roundoff along the free directions grow from step to step.
-                keep_locked(node, &Place::GROUND, &mut stage.wrench);
+                keep_locked(node, &JointFrame::GROUND, &mut stage.wrench);
             }
         }
         for attitude in &mut self.attitudes[1..] {
@@ -265,21 +265,21 @@ impl Lobatto {
         for k in 0..s {
             for i in 1..self.nodes.len() {
                 let parent = self.nodes[i].parent;
-                let parent_arm = self.stages[parent * s + k].place.arm;
+                let parent_arm = self.stages[parent * s + k].frame.arm;
                 let (pose, above) = (self.pose_at(i, k), self.pose_at(parent, k));
-                self.stages[i * s + k].place = Place::new(&self.nodes[i], &pose, &above, &parent_arm);
+                self.stages[i * s + k].frame = JointFrame::new(&self.nodes[i], &pose, &above, &parent_arm);
                 self.stages[i * s + k].load = Spatial::ZERO;
                 self.stages[i * s + k].virial = Matrix3::zeros();
             }
             for i in 1..self.nodes.len() {
                 let (stage, parent) = (self.stages[i * s + k], self.nodes[i].parent);
-                let axes = &stage.place.axes;
+                let axes = &stage.frame.axes;
                 let wrench = Spatial::new(axes * stage.wrench.linear, axes * stage.wrench.angular);
                 let force = self.pose[i].r.tr_mul(&wrench.linear);
                 self.stages[i * s + k].load += wrench;
                 self.stages[i * s + k].virial += force * self.nodes[i].mount.arm.transpose();
                 if parent > 0 {
-                    let arm = self.stages[parent * s + k].place.arm + stage.place.offset;
+                    let arm = self.stages[parent * s + k].frame.arm + stage.frame.offset;
                     let arm = self.pose_at(parent, k).r.tr_mul(&arm);
                     let force = self.pose[parent].r.tr_mul(&wrench.linear);
                     self.stages[parent * s + k].load -= wrench;
@@ -341,8 +341,8 @@ impl Lobatto {
             for i in 1..self.nodes.len() {
                 let (node, parent) = (&self.nodes[i], self.nodes[i].parent);
                 let (motion, above) = (self.motion(i, k), self.motion(parent, k));
-                let moved = Moved::new(&self.places[i], &self.places[parent].arm, &motion, &above);
-                let gap = moved.locked(node, &self.places[i], &above) + self.gap0[i].scaled(self.tableau.c[k]);
+                let moved = RelativeMotion::new(&self.frames[i], &self.frames[parent].arm, &motion, &above);
+                let gap = moved.locked(node, &self.frames[i], &above) + self.gap0[i].scaled(self.tableau.c[k]);
                 let size = gap.linear.norm() + self.length * gap.angular.norm();
                 let load = &self.stages[i * s + k].load;
                 // A turn is known to the roundoff of the momentum, which weighs most about the thinnest axis.
@@ -352,7 +352,7 @@ impl Lobatto {
                     (worst, joint) = (size + 0.0 * limit, i - 1);
                 }
                 roundoff = limit.max(roundoff);
-                let axes = &self.places[i].axes;
+                let axes = &self.frames[i].axes;
                 let gap = Spatial::new(axes.tr_mul(&gap.linear), axes.tr_mul(&gap.angular));
                 self.stages[i * s + k].closing = gap.scaled(-1.0 / h);
             }
@@ -373,12 +373,12 @@ impl Lobatto {
         let s = self.tableau.stages;
         let mut inner = std::mem::take(&mut self.inner);
         let mut result = Ok(());
-        for (k, (places, tree)) in (1..).zip(&mut inner) {
-            for (i, place) in places.iter_mut().enumerate().skip(1) {
-                *place = self.stages[i * s + k].place;
+        for (k, (frames, tree)) in (1..).zip(&mut inner) {
+            for (i, frame) in frames.iter_mut().enumerate().skip(1) {
+                *frame = self.stages[i * s + k].frame;
             }
             let inertia = |i: usize| world_inertia(&self.nodes[i], &self.pose_at(i, k));
-            result = result.and(tree.factorise(&self.nodes, places, inertia, |_| 0.0));
+            result = result.and(tree.factorise(&self.nodes, frames, inertia, |_| 0.0));
         }
         self.inner = inner;
         result.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
@@ -389,11 +389,11 @@ impl Lobatto {
     fn correct(&mut self, h: f64) {
         let s = self.tableau.stages;
         for k in 0..s - 1 {
-            let (places, tree) = match k.checked_sub(1) {
-                None => (&self.places, &mut self.tree),
+            let (frames, tree) = match k.checked_sub(1) {
+                None => (&self.frames, &mut self.tree),
                 Some(inner) => {
-                    let (places, tree) = &mut self.inner[inner];
-                    (&*places, tree)
+                    let (frames, tree) = &mut self.inner[inner];
+                    (&*frames, tree)
                 }
             };
             for i in 1..self.nodes.len() {
@@ -401,15 +401,15 @@ impl Lobatto {
                 for row in 1..s {
                     bias += self.stages[i * s + row].closing.scaled(self.tableau.inverse[k][row - 1] / h);
                 }
-                let axes = &places[i].axes;
+                let axes = &frames[i].axes;
                 self.bias[i] = Spatial::new(axes * bias.linear, axes * bias.angular);
             }
             let (bias, stages) = (&self.bias, &mut self.stages);
             let add = |i: usize, _: &Twist, f: Wrench| {
-                let axes = &places[i].axes;
+                let axes = &frames[i].axes;
                 stages[i * s + k].wrench += Spatial::new(axes.tr_mul(&f.linear), axes.tr_mul(&f.angular));
             };
-            tree.correct(&self.nodes, places, |i| bias[i], |_| Vector3::zeros(), add);
+            tree.correct(&self.nodes, frames, |i| bias[i], |_| Vector3::zeros(), add);
         }
     }
 
@@ -433,14 +433,14 @@ impl Lobatto {
     fn factorise(&mut self) -> Result<(), Failure> {
         for i in 1..self.nodes.len() {
             let parent = self.nodes[i].parent;
-            let parent_arm = self.places[parent].arm;
+            let parent_arm = self.frames[parent].arm;
             let (node, pose, above) = (&self.nodes[i], &self.pose[i], &self.pose[parent]);
-            self.places[i] = Place::new(node, pose, above, &parent_arm);
+            self.frames[i] = JointFrame::new(node, pose, above, &parent_arm);
             self.gap0[i] = mismatch(node, pose, above).scaled(RETURN);
         }
         let (nodes, pose) = (&self.nodes, &self.pose);
         self.tree
-            .factorise(nodes, &self.places, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
+            .factorise(nodes, &self.frames, |i| world_inertia(&nodes[i], &pose[i]), |_| 0.0)
             .map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
@@ -450,7 +450,7 @@ impl Lobatto {
         let (nodes, bodies, twist, bias) = (&self.nodes, &self.bodies, &mut self.twist, &mut self.bias);
         self.tree.project(
             nodes,
-            &self.places,
+            &self.frames,
             |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value),
             |i, v, f| {
                 twist[i] = *v;
@@ -461,12 +461,12 @@ impl Lobatto {
             self.stages[i * s].load = Spatial::ZERO;
         }
         for i in 1..self.nodes.len() {
-            let (place, parent) = (&self.places[i], self.nodes[i].parent);
+            let (frame, parent) = (&self.frames[i], self.nodes[i].parent);
             // A difference of momenta: what roundoff leaves along the free directions would be an impulse there.
-            keep_locked(&self.nodes[i], place, &mut self.bias[i]);
-            self.stages[i * s].load += self.bias[i].wrench_from(&place.arm);
+            keep_locked(&self.nodes[i], frame, &mut self.bias[i]);
+            self.stages[i * s].load += self.bias[i].wrench_from(&frame.arm);
             if parent > 0 {
-                self.stages[parent * s].load -= self.bias[i].wrench_from(&(self.places[parent].arm + place.offset));
+                self.stages[parent * s].load -= self.bias[i].wrench_from(&(self.frames[parent].arm + frame.offset));
             }
         }
         for i in 1..self.nodes.len() {
@@ -479,7 +479,7 @@ impl Lobatto {
     /// Writes the present state: poses, and the twists that fit the joints.
     pub fn write_state(&self, out: &mut State) {
         for (i, b) in out.bodies.iter_mut().enumerate() {
-            let twist = self.twist[i + 1].twist_at(&-self.places[i + 1].arm);
+            let twist = self.twist[i + 1].twist_at(&-self.frames[i + 1].arm);
             *b = BodyState {
                 position: self.bodies[i + 1].x.value,
                 attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.bodies[i + 1].q.value)),

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Quaternion, Vector3};
 
 /// The parts for one body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Split {
+pub(in crate::variational) struct Split {
     /// `1 / J_b`, 1/(kg m^2).
     base: f64,
     /// The axes `a`, `c` and their `1/J_k - 1/J_b`; `a` is turned about before and after `c`.
@@ -25,7 +25,7 @@ pub(super) struct Split {
 impl Split {
     /// `inertia` holds the principal moments, kg m^2.
     #[inline]
-    pub(super) fn of(inertia: &Vector3<f64>) -> Split {
+    pub(in crate::variational) fn of(inertia: &Vector3<f64>) -> Split {
         let inverse = inertia.map(|j| 1.0 / j);
         let at = |b: usize| {
             let (a, c) = ((b + 1) % 3, (b + 2) % 3);
@@ -52,7 +52,7 @@ impl Split {
 
     /// The rotation `F` of a body with `hm = h m0`, as a quaternion.
     #[inline]
-    pub(super) fn rotation(&self, hm: &Vector3<f64>) -> Quaternion<f64> {
+    pub(in crate::variational) fn rotation(&self, hm: &Vector3<f64>) -> Quaternion<f64> {
         let mut f = exponential(&(hm * self.base));
         let mut hm = *hm;
         for (axis, factor) in self.turns() {
@@ -67,7 +67,7 @@ impl Split {
 
     /// The action of [`Split::rotation`] times the step, kg m^2: each part is a flow that keeps its energy, whose action is that
     /// energy times the part's time.
-    pub(super) fn action(&self, hm: &Vector3<f64>) -> f64 {
+    pub(in crate::variational) fn action(&self, hm: &Vector3<f64>) -> f64 {
         let mut action = 0.5 * self.base * hm.norm_squared();
         let mut hm = *hm;
         for (axis, factor) in self.turns() {
@@ -79,14 +79,14 @@ impl Split {
 
     /// The Cayley vector of [`Split::rotation`]. `None` where the turn is exactly pi, or the momentum is not a number.
     #[inline]
-    pub(super) fn cayley_vector(&self, hm: &Vector3<f64>) -> Option<Vector3<f64>> {
+    pub(in crate::variational) fn cayley_vector(&self, hm: &Vector3<f64>) -> Option<Vector3<f64>> {
         let f = self.rotation(hm);
         let s = f.imag() / f.w;
         s.iter().all(|x| x.is_finite()).then_some(s)
     }
 
     /// `d eta / d(h m0)`, where a change of `m0` turns `F` by the rotation vector `d eta` on its left.
-    pub(super) fn derivative(&self, hm: &Vector3<f64>) -> Matrix3<f64> {
+    pub(in crate::variational) fn derivative(&self, hm: &Vector3<f64>) -> Matrix3<f64> {
         // Of the factors so far: their product, its rotation vector on the right, and the momentum, by `h m0`.
         let mut f = exponential(&(hm * self.base));
         let mut turned = right_derivative(&(hm * self.base)) * self.base;

@@ -8,26 +8,26 @@
 //! I~ = R0 1/2 K (1 + [s])^-1 R0^T ,   K = (1 + |s|^2) d(h m0)/ds .
 //! ```
 //!
-//! It is the recursion of [`super::tree`] with two motion subspaces: `S1` at `q1` on the side of the motion, `S0` at `q0` on
+//! It is the recursion of [`super`] with two motion subspaces: `S1` at `q1` on the side of the motion, `S0` at `q0` on
 //! the side of the wrench, so that the blocks are not symmetric. It is made anew in every round; a few of them reach roundoff where the chord iteration diverges.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
-use super::joints::{Motion, Node, Place};
+use super::elimination::{Singular, directions};
 use super::spatial::{Spatial, Twist, Wrench};
-use super::tree::{Singular, directions};
 use crate::mechanics::JointKind;
+use crate::variational::chain::{JointFrame, Motion, Node};
 
 type Matrix6x3 = SMatrix<f64, 6, 3>;
 type Matrix3x6 = SMatrix<f64, 3, 6>;
 
 /// A node in the step that is being tried.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tried {
+pub(in crate::variational) struct Tried {
     pub motion: Motion,
     /// `I~`, kg m^2.
     pub inertia: Matrix3<f64>,
-    /// [`Moved::turn`](super::joints::Moved::turn) of its joint.
+    /// [`RelativeMotion::turn`](crate::variational::chain::RelativeMotion::turn) of its joint.
     pub turn: Vector3<f64>,
     /// What its joint does not allow.
     pub locked: Twist,
@@ -40,7 +40,7 @@ pub(super) struct Tried {
 
 /// Room for the linearisation at a trial configuration.
 #[derive(Clone, Debug)]
-pub(super) struct Newton {
+pub(in crate::variational) struct Newton {
     /// To be filled in before each correction.
     pub tried: Vec<Tried>,
     /// Twist at the joint point at `q1` to wrench about the joint point at `q0`, children included.
@@ -61,7 +61,7 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    pub(super) fn new(nodes: usize) -> Newton {
+    pub(in crate::variational) fn new(nodes: usize) -> Newton {
         let rest = Tried {
             motion: Motion::NONE,
             inertia: Matrix3::zeros(),
@@ -89,37 +89,37 @@ impl Newton {
     ///
     /// # Errors
     /// A block that cannot be inverted.
-    pub(super) fn correct(
+    pub(in crate::variational) fn correct(
         &mut self,
         nodes: &[Node],
-        places: &[Place],
+        frames: &[JointFrame],
         h: f64,
         mut add: impl FnMut(usize, Wrench),
     ) -> Result<(), Singular> {
         for i in 1..nodes.len() {
-            let (place, parent) = (&places[i], nodes[i].parent);
+            let (frame, parent) = (&frames[i], nodes[i].parent);
             let (tried, carried) = (&self.tried[i], &self.tried[parent].motion);
             let moved = &tried.motion;
-            let arm1 = place.arm + moved.turned(&place.arm);
+            let arm1 = frame.arm + moved.turned(&frame.arm);
             let com =
                 block(&(Matrix3::identity() * nodes[i].mass), &Matrix3::zeros(), &Matrix3::zeros(), &tried.inertia);
-            self.a[i] = wrench_shift(&-place.arm) * com * twist_shift(&-arm1);
-            self.rhs[i] = tried.kick.wrench_from(&-place.arm).to_vector();
-            let parent_arm = places[parent].arm;
+            self.a[i] = wrench_shift(&-frame.arm) * com * twist_shift(&-arm1);
+            self.rhs[i] = tried.kick.wrench_from(&-frame.arm).to_vector();
+            let parent_arm = frames[parent].arm;
             self.offset1[i] =
-                place.offset + (moved.dx - carried.dx) + moved.turned(&place.arm) - carried.turned(&parent_arm);
+                frame.offset + (moved.dx - carried.dx) + moved.turned(&frame.arm) - carried.turned(&parent_arm);
         }
         for i in (1..nodes.len()).rev() {
-            let (place, parent) = (&places[i], nodes[i].parent);
-            if nodes[i].kind == JointKind::Floating {
+            let (frame, parent) = (&frames[i], nodes[i].parent);
+            if nodes[i].is_free() {
                 continue;
             }
             let (tried, carried) = (&self.tried[i], &self.tried[parent].motion);
             let axes1 = Matrix3::from_columns(&[0, 1, 2].map(|k| {
-                let axis = place.axes.column(k).into_owned();
+                let axis = frame.axes.column(k).into_owned();
                 axis + carried.turned(&axis)
             }));
-            let (s0, s1) = (subspace(nodes[i].kind, &place.axes), subspace(nodes[i].kind, &axes1));
+            let (s0, s1) = (subspace(nodes[i].kind, &frame.axes), subspace(nodes[i].kind, &axes1));
             let u = self.a[i] * s1;
             let left = s0.transpose() * self.a[i];
             let mut d = s0.transpose() * u;
@@ -134,13 +134,13 @@ impl Newton {
             self.sigma[i] = d_inverse * (s0.transpose() * biased - tried.along);
             if parent > 0 {
                 let passed = self.a[i] - u * self.v[i];
-                self.a[parent] += wrench_shift(&place.offset) * passed * twist_shift(&self.offset1[i]);
-                self.rhs[parent] += wrench_shift(&place.offset) * (biased - u * self.sigma[i]);
+                self.a[parent] += wrench_shift(&frame.offset) * passed * twist_shift(&self.offset1[i]);
+                self.rhs[parent] += wrench_shift(&frame.offset) * (biased - u * self.sigma[i]);
             }
         }
         for i in 1..nodes.len() {
             let parent = nodes[i].parent;
-            if nodes[i].kind == JointKind::Floating {
+            if nodes[i].is_free() {
                 self.eta[i] = self.a[i].lu().solve(&self.rhs[i]).ok_or(Singular { node: i })?;
                 continue;
             }
@@ -160,23 +160,23 @@ impl Newton {
     ///
     /// # Errors
     /// A block that cannot be inverted.
-    pub(super) fn respond(
+    pub(in crate::variational) fn respond(
         &mut self,
         nodes: &[Node],
-        places: &[Place],
+        frames: &[JointFrame],
         load: impl FnOnce(&mut [Vector6<f64>]),
         mut add: impl FnMut(usize, Wrench),
     ) -> Result<(), Singular> {
         self.rhs.fill(Vector6::zeros());
         load(&mut self.rhs);
-        for i in (1..nodes.len()).rev().filter(|&i| nodes[i].kind != JointKind::Floating) {
+        for i in (1..nodes.len()).rev().filter(|&i| !nodes[i].is_free()) {
             self.sigma[i] = self.d_s[i] * self.rhs[i];
             let passed = self.rhs[i] - self.u[i] * self.sigma[i];
-            self.rhs[nodes[i].parent] += wrench_shift(&places[i].offset) * passed;
+            self.rhs[nodes[i].parent] += wrench_shift(&frames[i].offset) * passed;
         }
         self.eta[0] = Vector6::zeros();
         for i in 1..nodes.len() {
-            if nodes[i].kind == JointKind::Floating {
+            if nodes[i].is_free() {
                 self.eta[i] = self.a[i].lu().solve(&self.rhs[i]).ok_or(Singular { node: i })?;
                 continue;
             }
@@ -188,21 +188,21 @@ impl Newton {
     }
 
     /// Twist of a node at its joint point in the last solution.
-    pub(super) fn motion(&self, node: usize) -> Twist {
+    pub(in crate::variational) fn motion(&self, node: usize) -> Twist {
         Spatial::from_vector(&self.eta[node])
     }
 }
 
 /// The relative twist that closes a joint in `h`: the change of the Cayley vector `turn` by `-e` is a rotation by
 /// `-2 / (1 + |turn|^2) (e + turn x e)` before the parent's own rotation.
-pub(super) fn closing_twist(locked: &Twist, turn: &Vector3<f64>, carried: &Motion, h: f64) -> Twist {
+pub(in crate::variational) fn closing_twist(locked: &Twist, turn: &Vector3<f64>, carried: &Motion, h: f64) -> Twist {
     let e = 0.5 * locked.angular;
     let rotation = (e + turn.cross(&e)) * (2.0 / (1.0 + turn.norm_squared()));
     Spatial::new(locked.linear, rotation + carried.turned(&rotation)).scaled(-1.0 / h)
 }
 
-/// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` as [`super::rotation::Rotation::derivative`] gives it.
-pub(super) fn turning_inertia(r0: &Matrix3<f64>, s: &Vector3<f64>, k: &Matrix3<f64>) -> Matrix3<f64> {
+/// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` as [`crate::variational::Rotation::derivative`] gives it.
+pub(in crate::variational) fn turning_inertia(r0: &Matrix3<f64>, s: &Vector3<f64>, k: &Matrix3<f64>) -> Matrix3<f64> {
     // (1 + [s])^-1 = (1 - [s] + s s^T) / (1 + |s|^2)
     let inverse = (Matrix3::identity() - s.cross_matrix() + s * s.transpose()) / (1.0 + s.norm_squared());
     r0 * (0.5 * k * inverse) * r0.transpose()
@@ -210,13 +210,7 @@ pub(super) fn turning_inertia(r0: &Matrix3<f64>, s: &Vector3<f64>, k: &Matrix3<f
 
 /// The free directions as columns; empty ones for a joint with one coordinate.
 fn subspace(kind: JointKind, axes: &Matrix3<f64>) -> Matrix6x3 {
-    let z = axes.column(2).into_owned();
-    let columns = match kind {
-        JointKind::Revolute => [Spatial::new(Vector3::zeros(), z), Spatial::ZERO, Spatial::ZERO],
-        JointKind::Prismatic => [Spatial::new(z, Vector3::zeros()), Spatial::ZERO, Spatial::ZERO],
-        _ => directions(kind, axes),
-    };
-    Matrix6x3::from_columns(&columns.map(Spatial::to_vector))
+    Matrix6x3::from_columns(&directions(kind, axes).map(Spatial::to_vector))
 }
 
 fn block(a: &Matrix3<f64>, b: &Matrix3<f64>, c: &Matrix3<f64>, d: &Matrix3<f64>) -> Matrix6<f64> {

@@ -11,7 +11,7 @@
 
 /// Room for the factors of a matrix with a given number of columns.
 #[derive(Clone, Debug)]
-pub(super) struct Orthogonal {
+pub(in crate::variational) struct Orthogonal {
     rows: usize,
     columns: usize,
     rank: usize,
@@ -26,7 +26,7 @@ pub(super) struct Orthogonal {
 }
 
 impl Orthogonal {
-    pub(super) fn new(rows: usize, columns: usize) -> Orthogonal {
+    pub(in crate::variational) fn new(rows: usize, columns: usize) -> Orthogonal {
         Orthogonal {
             rows,
             columns,
@@ -40,16 +40,16 @@ impl Orthogonal {
     }
 
     /// The matrix to be factorised, column by column. All of it must be written before [`Orthogonal::factorise`].
-    pub(super) fn column_mut(&mut self, column: usize) -> &mut [f64] {
+    pub(in crate::variational) fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.a[column * self.rows..(column + 1) * self.rows]
     }
 
-    pub(super) fn rank(&self) -> usize {
+    pub(in crate::variational) fn rank(&self) -> usize {
         self.rank
     }
 
     /// Factorises. A column counts as zero where what is left of it is shorter than `tolerance`.
-    pub(super) fn factorise(&mut self, tolerance: f64) {
+    pub(in crate::variational) fn factorise(&mut self, tolerance: f64) {
         for (k, pivot) in self.pivot.iter_mut().enumerate() {
             *pivot = k;
         }
@@ -71,7 +71,7 @@ impl Orthogonal {
     }
 
     /// `x <- P Z [ T^-1 T^-T (Z^T P^T x)_rank ; 0 ]`: the solution of least norm of `A^T A y = x`.
-    pub(super) fn solve_normal(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn solve_normal(&mut self, x: &mut [f64]) {
         self.enter_row_space(x);
         for k in 0..self.rank {
             let sum: f64 = (0..k).map(|i| self.at(i, k) * self.work[i]).sum();
@@ -82,7 +82,7 @@ impl Orthogonal {
     }
 
     /// `x <- P Z [ T^-1 (Q^T x)_rank ; 0 ]`: the least-squares solution of least norm of `A y = x`, for a square matrix.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn solve(&mut self, x: &mut [f64]) {
         for k in 0..self.rank {
             let column = &self.a[k * self.rows..(k + 1) * self.rows];
             let along = x[k] + (k + 1..self.rows).map(|i| column[i] * x[i]).sum::<f64>();
@@ -98,7 +98,7 @@ impl Orthogonal {
     }
 
     /// Takes away what of `x` is orthogonal to all rows of the matrix.
-    pub(super) fn project_on_rows(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn project_on_rows(&mut self, x: &mut [f64]) {
         if self.rank < self.columns {
             self.enter_row_space(x);
             self.leave_row_space(x);

@@ -11,55 +11,20 @@
 //! compliance `epsilon` (a spring) adds `epsilon` to the diagonal: one more row of `W` with `sqrt(epsilon)`. `W` is
 //! factorised with its rank revealed, so that redundant rows share the impulse of least norm.
 
-use super::joints::{Node, Place};
+use super::factor::Tree;
 use super::orthogonal::Orthogonal;
-use super::spatial::{Spatial, Twist, Wrench};
-use super::tree::Tree;
-
-/// Bodies that a row acts on, at most.
-const ENDS: usize = 4;
+use super::row::Row;
+use super::spatial::Wrench;
+use crate::variational::chain::{JointFrame, Node};
 
 /// A row whose velocity, over that of the same row on free bodies, is below this is implied by the other rows.
 /// On an overconstrained linkage the last singular value is as large as the state's distance from its path: a tighter
 /// bound sometimes takes it for a row, and the linkage stops dead.
 const RANK: f64 = 1e-7;
 
-/// A wrench on up to four nodes, each about the node's joint point, world axes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
-    ends: [(usize, Wrench); ENDS],
-    count: usize,
-}
-
-impl Row {
-    pub(super) const NONE: Row = Row { ends: [(0, Spatial::ZERO); ENDS], count: 0 };
-
-    /// Adds a wrench about a node's joint point. The ground takes none.
-    pub(super) fn push(&mut self, node: usize, wrench: Wrench) {
-        if node > 0 && self.count < ENDS {
-            self.ends[self.count] = (node, wrench);
-            self.count += 1;
-        }
-    }
-
-    pub(super) fn ends(&self) -> &[(usize, Wrench)] {
-        &self.ends[..self.count]
-    }
-
-    /// The velocity that the row sees, from twists at the joint points.
-    pub(super) fn rate(&self, twist: &[Twist]) -> f64 {
-        self.ends().iter().map(|(node, wrench)| wrench.dot(&twist[*node])).sum()
-    }
-
-    /// The mobility of the row on free bodies, `k M^-1 k^T`. `com(i, w)` is that of a wrench about a centre of mass.
-    fn free_mobility(&self, places: &[Place], com: &impl Fn(usize, &Wrench) -> f64) -> f64 {
-        self.ends().iter().map(|(node, wrench)| com(*node, &wrench.wrench_from(&places[*node].arm))).sum()
-    }
-}
-
 /// The factorised Schur complement of some rows.
 #[derive(Clone, Debug)]
-pub(super) struct Schur {
+pub(in crate::variational) struct Schur {
     factors: Orthogonal,
     /// What each row is multiplied by, so that its free mobility is 1.
     scale: Vec<f64>,
@@ -70,7 +35,7 @@ pub(super) struct Schur {
 
 impl Schur {
     /// Room for `rows` rows on a tree, `compliant` of them springs.
-    pub(super) fn new(tree: &Tree, rows: usize, compliant: usize) -> Schur {
+    pub(in crate::variational) fn new(tree: &Tree, rows: usize, compliant: usize) -> Schur {
         let freedoms = tree.freedoms();
         let (factors, none) = (Orthogonal::new(freedoms + compliant, rows), vec![0.0; rows]);
         Schur { factors, scale: none.clone(), mobility: none, freedoms }
@@ -78,11 +43,11 @@ impl Schur {
 
     /// Factorises. `mobility(i, w)` is `w M^-1 w` of a wrench about the centre of mass of a free node; the last rows are
     /// springs with the given compliances.
-    pub(super) fn factorise(
+    pub(in crate::variational) fn factorise(
         &mut self,
         tree: &Tree,
         nodes: &[Node],
-        places: &[Place],
+        frames: &[JointFrame],
         rows: &[Row],
         compliance: &[f64],
         mobility: &impl Fn(usize, &Wrench) -> f64,
@@ -91,9 +56,9 @@ impl Schur {
         for (r, row) in rows.iter().enumerate().take(self.scale.len()) {
             let column = self.factors.column_mut(r);
             column.fill(0.0);
-            tree.innovations(nodes, places, row.ends(), &mut column[..self.freedoms]);
+            tree.innovations(nodes, frames, row.ends(), &mut column[..self.freedoms]);
             self.mobility[r] = column.iter().map(|x| x * x).sum();
-            let mut free = row.free_mobility(places, mobility);
+            let mut free = row.free_mobility(frames, mobility);
             if !free.is_finite() {
                 free = self.mobility[r];
             }
@@ -108,14 +73,14 @@ impl Schur {
     }
 
     /// The impulses that change what the rows see by `x`, those of least norm.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn solve(&mut self, x: &mut [f64]) {
         self.apply_scale(x);
         self.factors.solve_normal(x);
         self.apply_scale(x);
     }
 
     /// Takes away what of `x` no impulse along the rows can change.
-    pub(super) fn keep_reachable(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn keep_reachable(&mut self, x: &mut [f64]) {
         if self.factors.rank() < x.len() {
             self.apply_scale(x);
             self.factors.project_on_rows(x);
@@ -125,7 +90,7 @@ impl Schur {
 
     /// Takes away the part of the impulses `x` that changes nothing. Impulses extrapolated from step to step would gather
     /// such a part, which nothing corrects: it grew without bound on a Bricard linkage.
-    pub(super) fn keep_effective(&mut self, x: &mut [f64]) {
+    pub(in crate::variational) fn keep_effective(&mut self, x: &mut [f64]) {
         if self.factors.rank() < x.len() {
             self.remove_scale(x);
             self.factors.project_on_rows(x);
@@ -139,21 +104,21 @@ impl Schur {
         }
     }
 
-    pub(super) fn rank(&self) -> usize {
+    pub(in crate::variational) fn rank(&self) -> usize {
         self.factors.rank()
     }
 
     /// `k T k^T` of row `r`.
-    pub(super) fn mobility(&self, r: usize) -> f64 {
+    pub(in crate::variational) fn mobility(&self, r: usize) -> f64 {
         self.mobility[r]
     }
 
     /// What row `r` is multiplied by.
-    pub(super) fn scale(&self, r: usize) -> f64 {
+    pub(in crate::variational) fn scale(&self, r: usize) -> f64 {
         self.scale[r]
     }
 
-    pub(super) fn apply_scale(&self, x: &mut [f64]) {
+    pub(in crate::variational) fn apply_scale(&self, x: &mut [f64]) {
         x.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
     }
 }

@@ -6,53 +6,53 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A twist (velocity of a point, angular velocity) or a wrench (force, torque about a point), in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spatial {
+pub(in crate::variational) struct Spatial {
     pub linear: Vector3<f64>,
     pub angular: Vector3<f64>,
 }
 
 /// Velocity of a point of a body, m/s, and the body's angular velocity, rad/s.
-pub(super) type Twist = Spatial;
+pub(in crate::variational) type Twist = Spatial;
 /// Impulse, N s, and its moment about a point, N m s.
-pub(super) type Wrench = Spatial;
+pub(in crate::variational) type Wrench = Spatial;
 
 impl Spatial {
-    pub(super) const ZERO: Spatial =
+    pub(in crate::variational) const ZERO: Spatial =
         Spatial { linear: Vector3::new(0.0, 0.0, 0.0), angular: Vector3::new(0.0, 0.0, 0.0) };
 
-    pub(super) fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Spatial {
+    pub(in crate::variational) fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Spatial {
         Spatial { linear, angular }
     }
 
     /// A twist, seen at a point that is `r` away: `v + omega x r`.
     #[inline(always)]
-    pub(super) fn twist_at(&self, r: &Vector3<f64>) -> Twist {
+    pub(in crate::variational) fn twist_at(&self, r: &Vector3<f64>) -> Twist {
         Spatial::new(self.linear + self.angular.cross(r), self.angular)
     }
 
     /// A wrench about a point `P`, taken about the point `P - r`: `tau + r x f`.
     #[inline(always)]
-    pub(super) fn wrench_from(&self, r: &Vector3<f64>) -> Wrench {
+    pub(in crate::variational) fn wrench_from(&self, r: &Vector3<f64>) -> Wrench {
         Spatial::new(self.linear, self.angular + r.cross(&self.linear))
     }
 
     /// Power of a wrench along a twist.
     #[inline(always)]
-    pub(super) fn dot(&self, other: &Spatial) -> f64 {
+    pub(in crate::variational) fn dot(&self, other: &Spatial) -> f64 {
         self.linear.dot(&other.linear) + self.angular.dot(&other.angular)
     }
 
     #[inline(always)]
-    pub(super) fn scaled(&self, factor: f64) -> Spatial {
+    pub(in crate::variational) fn scaled(&self, factor: f64) -> Spatial {
         Spatial::new(self.linear * factor, self.angular * factor)
     }
 
-    pub(super) fn to_vector(self) -> Vector6<f64> {
+    pub(in crate::variational) fn to_vector(self) -> Vector6<f64> {
         let (l, a) = (self.linear, self.angular);
         Vector6::new(l.x, l.y, l.z, a.x, a.y, a.z)
     }
 
-    pub(super) fn from_vector(v: &Vector6<f64>) -> Spatial {
+    pub(in crate::variational) fn from_vector(v: &Vector6<f64>) -> Spatial {
         Spatial::new(Vector3::new(v[0], v[1], v[2]), Vector3::new(v[3], v[4], v[5]))
     }
 }
@@ -101,7 +101,7 @@ impl SubAssign for Spatial {
 /// `M` and `J` are 3 % faster at 10 000 links, but round otherwise: two shipped scenes break bounds
 /// (`docs/notes/roundoff.md`).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inertia {
+pub(in crate::variational) struct Inertia {
     pub m: Matrix3<f64>,
     pub h: Matrix3<f64>,
     pub j: Matrix3<f64>,
@@ -111,7 +111,7 @@ impl Inertia {
     /// A rigid body of the given mass and inertia about its centre of mass (world axes), seen at the point `r` away from
     /// the centre of mass: `M = m 1`, `H = m [r]`, `J + m (|r|^2 1 - r r^T)`.
     #[inline(always)]
-    pub(super) fn of_body(mass: f64, inertia: &Matrix3<f64>, r: &Vector3<f64>) -> Inertia {
+    pub(in crate::variational) fn of_body(mass: f64, inertia: &Matrix3<f64>, r: &Vector3<f64>) -> Inertia {
         let mr = mass * r;
         let mut j = inertia - mr * r.transpose();
         let parallel = mr.dot(r);
@@ -123,14 +123,14 @@ impl Inertia {
 
     /// The wrench that a twist of the same point needs.
     #[inline(always)]
-    pub(super) fn times(&self, v: &Twist) -> Wrench {
+    pub(in crate::variational) fn times(&self, v: &Twist) -> Wrench {
         Spatial::new(self.m * v.linear + self.h * v.angular, self.h.tr_mul(&v.linear) + self.j * v.angular)
     }
 
     /// Adds an inertia known about a point that is `r` away from the point of `self`:
     /// `M`, `H - M [r]`, `J - H^T [r] + [r] (H - M [r])`.
     #[inline(always)]
-    pub(super) fn add_shifted(&mut self, other: &Inertia, r: &Vector3<f64>) {
+    pub(in crate::variational) fn add_shifted(&mut self, other: &Inertia, r: &Vector3<f64>) {
         let h = other.h - times_cross(&other.m, r);
         self.m += other.m;
         self.j += other.j - times_cross(&other.h.transpose(), r) + cross_times(r, &h);
@@ -139,13 +139,13 @@ impl Inertia {
 
     /// Takes away `a b^T`.
     #[inline(always)]
-    pub(super) fn subtract_product(&mut self, a: &Wrench, b: &Wrench) {
+    pub(in crate::variational) fn subtract_product(&mut self, a: &Wrench, b: &Wrench) {
         self.m -= a.linear * b.linear.transpose();
         self.h -= a.linear * b.angular.transpose();
         self.j -= a.angular * b.angular.transpose();
     }
 
-    pub(super) fn to_matrix(self) -> Matrix6<f64> {
+    pub(in crate::variational) fn to_matrix(self) -> Matrix6<f64> {
         let mut all = Matrix6::zeros();
         all.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.m);
         all.fixed_view_mut::<3, 3>(0, 3).copy_from(&self.h);

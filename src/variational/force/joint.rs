@@ -37,15 +37,15 @@
 
 use nalgebra::{SVector, Vector3};
 
-use super::compensated::Compensated;
-use super::joints::{Node, Place, along_joint};
-use super::spatial::Wrench;
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{Drive, JointSpring, State, System};
+use crate::variational::chain::{JointFrame, Node, wrench_of_coordinates};
+use crate::variational::compensated::Compensated;
+use crate::variational::tree::spatial::Wrench;
 
 /// What acts along the coordinates of one joint. Springs and drives act in joints of one coordinate.
 #[derive(Clone, Debug)]
-pub(super) struct JointForce {
+pub(in crate::variational) struct JointForce {
     /// N m/rad or N/m, all springs of the joint together.
     stiffness: f64,
     /// N m s/rad or N s/m, for each coordinate: the joint's own and that of its springs.
@@ -68,7 +68,7 @@ pub(super) struct JointForce {
 }
 
 /// The joints' forces, one entry a joint that has any. Writes their places into the nodes.
-pub(super) fn joint_forces(system: &System, state: &State, nodes: &mut [Node]) -> Vec<JointForce> {
+pub(in crate::variational) fn joint_forces(system: &System, state: &State, nodes: &mut [Node]) -> Vec<JointForce> {
     let mut tracker = CoordinateTracker::new(system);
     tracker.update(system, state, 0.0);
     let mut all = Vec::new();
@@ -103,22 +103,22 @@ fn settled(found: f64, given: f64) -> f64 {
 
 impl JointForce {
     /// A planted fault: the damper's sign.
-    pub(super) fn push_instead_of_damping(&mut self) {
+    pub(in crate::variational) fn push_instead_of_damping(&mut self) {
         self.damping = -self.damping;
     }
 
     /// Whether the force depends on the motion of the step, and so adds to `D`.
-    pub(super) fn is_implicit(&self) -> bool {
+    pub(in crate::variational) fn is_implicit(&self) -> bool {
         self.stiffness > 0.0 || self.damping > 0.0
     }
 
     /// Takes in the articulated inertia along the joint at the start, kg m^2 or kg.
-    pub(super) fn start(&mut self, inertia: f64) {
+    pub(in crate::variational) fn start(&mut self, inertia: f64) {
         self.inertia = inertia;
     }
 
     /// Prepares (1) and (2) for a step of size `h` from `time`.
-    pub(super) fn begin(&mut self, time: f64, h: f64) {
+    pub(in crate::variational) fn begin(&mut self, time: f64, h: f64) {
         let effort: f64 = self.drives.iter().map(|drive| drive.at(time + 0.5 * h)).sum();
         self.constant = 0.5 * h * (effort - self.stiffness * self.deflection.value.x);
         self.slope = 0.25 * h * self.stiffness + 0.5 * self.damping;
@@ -127,17 +127,17 @@ impl JointForce {
     }
 
     /// What it adds to `D` in the projection at the end of a step of size `h`, by (2).
-    pub(super) fn late(&self, h: f64) -> f64 {
+    pub(in crate::variational) fn late(&self, h: f64) -> f64 {
         h * self.late
     }
 
     /// What it adds to `D` in a step of size `h`.
-    pub(super) fn implicit(&self, h: f64) -> f64 {
+    pub(in crate::variational) fn implicit(&self, h: f64) -> f64 {
         h * self.slope
     }
 
     /// Takes in the change of the coordinates with the wrench `w` on the child. Returns by how much `S . w` exceeds (1).
-    pub(super) fn excess(&mut self, travel: Vector3<f64>, impulse: Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::variational) fn excess(&mut self, travel: Vector3<f64>, impulse: Vector3<f64>) -> Vector3<f64> {
         (self.travel, self.impulse) = (travel, impulse);
         let mut excess = impulse + self.slope * travel;
         excess.x -= self.constant;
@@ -145,28 +145,28 @@ impl JointForce {
     }
 
     /// Takes over the state of the same force in another copy of the integrator.
-    pub(super) fn copy_from(&mut self, other: &JointForce) {
+    pub(in crate::variational) fn copy_from(&mut self, other: &JointForce) {
         self.deflection = other.deflection;
         (self.travel, self.impulse, self.late) = (other.travel, other.impulse, other.late);
     }
 
     /// Accepts the step that was tried last.
-    pub(super) fn end(&mut self) {
+    pub(in crate::variational) fn end(&mut self) {
         self.deflection.add(&SVector::<f64, 1>::new(self.travel.x));
     }
 
     /// Work on the system in the step of size `h` that was tried last, J.
-    pub(super) fn work(&self, h: f64) -> f64 {
+    pub(in crate::variational) fn work(&self, h: f64) -> f64 {
         2.0 / h * self.impulse.dot(&self.travel)
     }
 
     /// The potential of the springs in the middle of the last step, `k/2 (Delta0 + d/2)^2`, J.
-    pub(super) fn potential(&self) -> f64 {
+    pub(in crate::variational) fn potential(&self) -> f64 {
         0.5 * self.stiffness * (self.deflection.value.x - 0.5 * self.travel.x).powi(2)
     }
 
     /// The impulse of the second half kick, on the child about its joint point, but for what goes with the velocity at the end.
-    pub(super) fn second_half(&self, node: &Node, place: &Place) -> Wrench {
-        along_joint(node, place, &(self.impulse + self.late * self.travel))
+    pub(in crate::variational) fn second_half(&self, node: &Node, frame: &JointFrame) -> Wrench {
+        wrench_of_coordinates(node, frame, &(self.impulse + self.late * self.travel))
     }
 }

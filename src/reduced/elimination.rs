@@ -5,7 +5,23 @@ use super::number::factor::Factor;
 use super::number::linear::{Matrix3, Vector3};
 use super::number::real::{Real, reciprocal};
 use super::spatial::Spatial;
-use crate::mechanics::JointKind;
+
+/// A free motion along or about an axis of the link frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Direction {
+    Along(usize),
+    About(usize),
+}
+
+impl Direction {
+    /// As a twist in world axes, with link axes `r`.
+    fn in_world<T: Real>(self, r: &Matrix3<T>) -> Spatial<T> {
+        match self {
+            Direction::Along(axis) => Spatial::new(*r.column(axis), Vector3::zeros()),
+            Direction::About(axis) => Spatial::new(Vector3::zeros(), *r.column(axis)),
+        }
+    }
+}
 
 /// The free directions of a joint, eliminated: `U = I S`, `D = S^T U`.
 #[derive(Clone, Debug)]
@@ -31,30 +47,37 @@ pub(super) enum Elimination<T: Real> {
 /// Three directions `s` with their `U` and `D^-1`.
 #[derive(Clone, Debug)]
 pub(super) struct Three<T: Real> {
+    free: [Direction; 3],
     s: [Spatial<T>; 3],
     u: [Spatial<T>; 3],
     over_d: Matrix3<T>,
 }
 
 impl<T: Real> Elimination<T> {
-    pub(super) fn new(kind: JointKind) -> Elimination<T> {
-        let (n, u) = (Vector3::zeros(), Spatial::zero());
-        match kind {
-            JointKind::Revolute => Elimination::Turn { n, u, over_d: T::zero() },
-            JointKind::Prismatic => Elimination::Slide { n, u, over_d: T::zero() },
-            JointKind::Planar | JointKind::Spherical => Elimination::Three(Box::new(Three {
-                s: [Spatial::zero(); 3],
-                u: [Spatial::zero(); 3],
-                over_d: Matrix3::zeros(),
-            })),
-            JointKind::Floating => Elimination::Free { r: Matrix3::identity(), factor: Box::new(Factor::identity()) },
-        }
+    /// About z.
+    pub(super) fn turn() -> Elimination<T> {
+        Elimination::Turn { n: Vector3::zeros(), u: Spatial::zero(), over_d: T::zero() }
+    }
+
+    /// Along z.
+    pub(super) fn slide() -> Elimination<T> {
+        Elimination::Slide { n: Vector3::zeros(), u: Spatial::zero(), over_d: T::zero() }
+    }
+
+    pub(super) fn three(free: [Direction; 3]) -> Elimination<T> {
+        let zero = [Spatial::zero(); 3];
+        Elimination::Three(Box::new(Three { free, s: zero, u: zero, over_d: Matrix3::zeros() }))
+    }
+
+    /// All six.
+    pub(super) fn free() -> Elimination<T> {
+        Elimination::Free { r: Matrix3::identity(), factor: Box::new(Factor::identity()) }
     }
 
     /// Eliminates the directions of a joint with link axes `r`, and leaves in `inertia` what the parent feels. `None` where
     /// the joint can move without moving any mass.
     #[inline(always)]
-    pub(super) fn eliminate(&mut self, kind: JointKind, r: &Matrix3<T>, inertia: &mut Inertia<T>) -> Option<()> {
+    pub(super) fn eliminate(&mut self, r: &Matrix3<T>, inertia: &mut Inertia<T>) -> Option<()> {
         match self {
             Elimination::Turn { n, u, over_d } => {
                 *n = *r.column(2);
@@ -69,8 +92,8 @@ impl<T: Real> Elimination<T> {
                 inertia.subtract(u, &u.scaled(*over_d));
             }
             Elimination::Three(three) => {
-                let Three { s, u, over_d } = three.as_mut();
-                *s = directions(kind, r);
+                let Three { free, s, u, over_d } = three.as_mut();
+                *s = free.map(|direction| direction.in_world(r));
                 *u = s.map(|s| inertia.times(&s));
                 let factor = Factor::<T, 3>::new(|i, k| s[i].dot(&u[k]))?;
                 *over_d = Matrix3::from_columns(Matrix3::identity().columns.map(|e: Vector3<T>| {
@@ -105,7 +128,7 @@ impl<T: Real> Elimination<T> {
                 *z + u.scaled(*over_d * rhs[0])
             }
             Elimination::Three(three) => {
-                let Three { s, u, over_d } = three.as_ref();
+                let Three { s, u, over_d, .. } = three.as_ref();
                 for k in 0..3 {
                     rhs[k] -= s[k].dot(z);
                 }
@@ -141,7 +164,7 @@ impl<T: Real> Elimination<T> {
                 Spatial::new(carried.lin + *n * rhs[0], carried.ang)
             }
             Elimination::Three(three) => {
-                let Three { s, u, over_d } = three.as_ref();
+                let Three { s, u, over_d, .. } = three.as_ref();
                 let part = |k: usize| rhs[k] - u[k].dot(carried);
                 let along = Vector3::new(part(0), part(1), part(2));
                 let found = over_d.times(&along);
@@ -158,16 +181,6 @@ impl<T: Real> Elimination<T> {
                 total
             }
         }
-    }
-}
-
-/// The free directions of a joint with three of them, in the order of its velocities.
-fn directions<T: Real>(kind: JointKind, r: &Matrix3<T>) -> [Spatial<T>; 3] {
-    let slide = |k| Spatial::new(*r.column(k), Vector3::zeros());
-    let spin = |k| Spatial::new(Vector3::zeros(), *r.column(k));
-    match kind {
-        JointKind::Planar => [slide(0), slide(1), spin(2)],
-        _ => [spin(0), spin(1), spin(2)],
     }
 }
 

@@ -12,10 +12,12 @@
 mod closure;
 mod elimination;
 pub mod equations;
-mod frame;
 pub mod galerkin;
 mod inertia;
+mod joint;
+mod joint_frame;
 mod link;
+mod link_frame;
 mod model;
 mod number;
 mod spatial;

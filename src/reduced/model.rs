@@ -1,15 +1,14 @@
 //! A tree of links in joint coordinates.
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use super::closure::Closure;
+use super::joint::for_kind;
 use super::link::Link;
-use super::number::linear;
-use super::number::quaternion::{matrix, rotation, turning};
 use super::number::real::Real;
 use super::spring::Spring;
 use crate::mechanics::coordinates::JointCoordinates;
-use crate::mechanics::{BodyState, Coupling, JointKind, State, System};
+use crate::mechanics::{BodyState, Coupling, State, System};
 
 /// A tree of links in joint coordinates, with dampers, springs and drives in the joints and springs between points.
 ///
@@ -35,16 +34,6 @@ pub struct Model {
     /// Every joint has one coordinate: a position's rate is its velocity, and its momentum lies along that.
     pub plain: bool,
     initial: Vec<JointCoordinates>,
-}
-
-/// Numbers that hold the position of a joint.
-const fn positions_of(kind: JointKind) -> usize {
-    match kind {
-        JointKind::Revolute | JointKind::Prismatic => 1,
-        JointKind::Planar => 3,
-        JointKind::Spherical => 4,
-        JointKind::Floating => 7,
-    }
 }
 
 impl Model {
@@ -78,7 +67,7 @@ impl Model {
                 position: positions,
                 velocity: velocities,
             });
-            positions += positions_of(joint.kind);
+            positions += for_kind!(joint.kind, Joint => Joint::POSITIONS);
             velocities += joint.kind.degrees_of_freedom();
         }
         for spring in &system.parts.joint_springs {
@@ -100,7 +89,7 @@ impl Model {
             closures: system.parts.loops.iter().map(|closure| Closure::new(closure, &links)).collect(),
             couplings: system.parts.couplings.clone(),
             rank: system.mobility.rank,
-            plain: links.iter().all(|link| matches!(link.kind, JointKind::Revolute | JointKind::Prismatic)),
+            plain: links.iter().all(|link| link.kind.degrees_of_freedom() == 1),
             links,
             gravity: system.gravity,
             positions,
@@ -116,7 +105,7 @@ impl Model {
         for (out, v) in out.iter_mut().zip(&v[freedoms]) {
             *out = -link.damping * v;
         }
-        if let JointKind::Revolute | JointKind::Prismatic = link.kind {
+        if link.kind.degrees_of_freedom() == 1 {
             out[0] += link.held(time, q[link.position]);
         }
     }
@@ -126,91 +115,31 @@ impl Model {
         let (mut q, mut v) = (vec![0.0; self.positions], vec![0.0; self.velocities]);
         for (link, theta) in self.links.iter().zip(&self.initial) {
             let (q, v) = (&mut q[link.position..], &mut v[link.velocity..]);
-            let vector = |values: &[f64]| Vector3::new(values[0], values[1], values[2]);
-            let (position, velocity) = (&theta.position, &theta.velocity);
-            match link.kind {
-                JointKind::Revolute | JointKind::Prismatic => (q[0], v[0]) = (position[0], velocity[0]),
-                JointKind::Planar => {
-                    q[..3].copy_from_slice(&position[..3]);
-                    let (s, c) = position[2].sin_cos();
-                    v[0] = c * velocity[0] + s * velocity[1];
-                    v[1] = c * velocity[1] - s * velocity[0];
-                    v[2] = velocity[2];
-                }
-                JointKind::Spherical => {
-                    let turn = UnitQuaternion::from_scaled_axis(vector(position));
-                    q[..4].copy_from_slice(turn.coords.as_slice());
-                    v[..3].copy_from_slice((turn.inverse() * vector(velocity)).as_slice());
-                }
-                JointKind::Floating => {
-                    let turn = UnitQuaternion::from_scaled_axis(vector(&position[3..]));
-                    q[..3].copy_from_slice(&position[..3]);
-                    q[3..7].copy_from_slice(turn.coords.as_slice());
-                    v[..3].copy_from_slice((turn.inverse() * vector(velocity)).as_slice());
-                    v[3..6].copy_from_slice((turn.inverse() * vector(&velocity[3..])).as_slice());
-                }
-            }
+            for_kind!(link.kind, Joint => Joint::initial(theta, q, v));
         }
         (q, v)
     }
 
-    /// `qdot` of the positions at the given velocities; a quaternion turns by `qdot = 1/2 q (0, omega)`.
+    /// `qdot` of the positions at the given velocities.
     pub(crate) fn rates<T: Real>(&self, q: &[T], v: &[T], out: &mut [T]) {
         for link in &self.links {
             let (q, v, out) = (&q[link.position..], &v[link.velocity..], &mut out[link.position..]);
-            match link.kind {
-                JointKind::Revolute | JointKind::Prismatic => out[0] = v[0],
-                JointKind::Planar => {
-                    let (s, c) = q[2].sin_cos();
-                    out[0] = c * v[0] - s * v[1];
-                    out[1] = s * v[0] + c * v[1];
-                    out[2] = v[2];
-                }
-                JointKind::Spherical => turning(&q[..4], &v[..3], &mut out[..4]),
-                JointKind::Floating => {
-                    matrix(&q[3..7]).times(&linear::Vector3::new(v[0], v[1], v[2])).write(out);
-                    turning(&q[3..7], &v[3..6], &mut out[3..7]);
-                }
-            }
+            for_kind!(link.kind, Joint => Joint::velocity_map(q, v, out));
         }
     }
 
     /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions exactly.
     pub fn advance(&self, q: &mut [f64], v: &[f64], h: f64) {
-        let turn = |q: &mut [f64], omega: &[f64]| {
-            let by = UnitQuaternion::from_scaled_axis(Vector3::new(omega[0], omega[1], omega[2]) * h);
-            q.copy_from_slice((rotation(q) * by).coords.as_slice());
-        };
         for link in &self.links {
             let (q, v) = (&mut q[link.position..], &v[link.velocity..]);
-            match link.kind {
-                JointKind::Revolute | JointKind::Prismatic => q[0] += h * v[0],
-                JointKind::Planar => {
-                    let (s, c) = q[2].sin_cos();
-                    q[0] += h * (c * v[0] - s * v[1]);
-                    q[1] += h * (s * v[0] + c * v[1]);
-                    q[2] += h * v[2];
-                }
-                JointKind::Spherical => turn(&mut q[..4], &v[..3]),
-                JointKind::Floating => {
-                    let way = rotation(&q[3..7]) * Vector3::new(v[0], v[1], v[2]) * h;
-                    (0..3).for_each(|k| q[k] += way[k]);
-                    turn(&mut q[3..7], &v[3..6]);
-                }
-            }
+            for_kind!(link.kind, Joint => Joint::advance(q, v, h));
         }
     }
 
     /// Gives every quaternion its unit length back.
     pub fn normalise(&self, q: &mut [f64]) {
         for link in &self.links {
-            let start = match link.kind {
-                JointKind::Spherical => link.position,
-                JointKind::Floating => link.position + 3,
-                _ => continue,
-            };
-            let unit = rotation(&q[start..start + 4]);
-            q[start..start + 4].copy_from_slice(unit.coords.as_slice());
+            for_kind!(link.kind, Joint => Joint::normalise(&mut q[link.position..]));
         }
     }
 
@@ -238,27 +167,13 @@ impl Model {
 
     /// Pose of the link frame in the joint frame of the parent.
     pub(super) fn transform(&self, link: usize, q: &[f64]) -> Isometry3<f64> {
-        let q = &q[self.links[link].position..];
-        let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-        match self.links[link].kind {
-            JointKind::Revolute => Isometry3::from_parts(Translation3::identity(), about_z(q[0])),
-            JointKind::Prismatic => Isometry3::translation(0.0, 0.0, q[0]),
-            JointKind::Planar => Isometry3::from_parts(Translation3::new(q[0], q[1], 0.0), about_z(q[2])),
-            JointKind::Spherical => Isometry3::from_parts(Translation3::identity(), rotation(&q[..4])),
-            JointKind::Floating => Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), rotation(&q[3..7])),
-        }
+        let link = &self.links[link];
+        for_kind!(link.kind, Joint => Joint::transform(&q[link.position..]))
     }
 
     /// Relative twist of a link against its parent (linear, angular), at the origin and in the axes of the link frame.
     pub(super) fn relative_twist(&self, link: usize, v: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let v = &v[self.links[link].velocity..];
-        let zero = Vector3::zeros();
-        match self.links[link].kind {
-            JointKind::Revolute => (zero, Vector3::new(0.0, 0.0, v[0])),
-            JointKind::Prismatic => (Vector3::new(0.0, 0.0, v[0]), zero),
-            JointKind::Planar => (Vector3::new(v[0], v[1], 0.0), Vector3::new(0.0, 0.0, v[2])),
-            JointKind::Spherical => (zero, Vector3::new(v[0], v[1], v[2])),
-            JointKind::Floating => (Vector3::new(v[0], v[1], v[2]), Vector3::new(v[3], v[4], v[5])),
-        }
+        let link = &self.links[link];
+        for_kind!(link.kind, Joint => Joint::relative_twist(&v[link.velocity..]))
     }
 }

@@ -11,9 +11,11 @@
 //! One sweep places the links, one eliminates the joints from the leaves to the root, one finds the accelerations.
 
 use crate::reduced::elimination::Elimination;
-use crate::reduced::frame::{Place, relative_twist};
 use crate::reduced::inertia::Inertia;
+use crate::reduced::joint::for_kind;
+use crate::reduced::joint_frame::JointFrame;
 use crate::reduced::link::Link;
+use crate::reduced::link_frame::LinkFrame;
 use crate::reduced::model::Model;
 use crate::reduced::number::linear::{Matrix3, Vector3};
 use crate::reduced::spatial::Spatial;
@@ -22,7 +24,7 @@ use crate::reduced::spring::Seen;
 /// A link in the course of the recursion.
 #[derive(Clone, Debug)]
 struct Node {
-    place: Place<f64>,
+    frame: LinkFrame<f64>,
     twist: Spatial<f64>,
     /// Acceleration at constant joint velocities, less what the parent's acceleration gives; then the acceleration.
     motion: Spatial<f64>,
@@ -44,12 +46,12 @@ pub struct Articulated {
 impl Articulated {
     pub fn new(model: Model) -> Articulated {
         let node = |link: &Link| Node {
-            place: Place::ground(),
+            frame: LinkFrame::ground(),
             twist: Spatial::zero(),
             motion: Spatial::zero(),
             needed: Spatial::zero(),
             inertia: Inertia::zero(),
-            elimination: Elimination::new(link.kind),
+            elimination: for_kind!(link.kind, Joint => Joint::elimination()),
         };
         let origins = vec![Vector3::zeros(); if model.springs.is_empty() { 0 } else { model.links.len() }];
         Articulated { nodes: model.links.iter().map(node).collect(), origins, model }
@@ -75,17 +77,17 @@ impl Articulated {
             let rhs = &mut out[link.velocity..link.velocity + link.kind.degrees_of_freedom()];
             self.model.efforts(link, time, q, v, rhs);
             let needed = node.needed + node.inertia.times(&node.motion);
-            node.elimination.eliminate(link.kind, &node.place.r, &mut node.inertia)?;
+            node.elimination.eliminate(&node.frame.axes, &mut node.inertia)?;
             let passed = node.elimination.inward(rhs, &needed);
             if let Some(p) = link.parent {
-                before[p].inertia.add_shifted(&node.inertia, &node.place.offset);
-                before[p].needed += passed.wrench_from(&node.place.offset);
+                before[p].inertia.add_shifted(&node.inertia, &node.frame.offset);
+                before[p].needed += passed.wrench_from(&node.frame.offset);
             }
         }
         for (i, link) in self.model.links.iter().enumerate() {
             let above = link.parent.map_or(Spatial::zero(), |p| self.nodes[p].motion);
             let node = &mut self.nodes[i];
-            let carried = above.twist_at(&node.place.offset);
+            let carried = above.twist_at(&node.frame.offset);
             // `rhs` already holds what `gamma` needs: only the parent's part remains to be taken off.
             node.motion += node.elimination.outward(&mut out[link.velocity..], &carried);
         }
@@ -96,11 +98,11 @@ impl Articulated {
     fn pull(&mut self) {
         for (i, link) in self.model.links.iter().enumerate() {
             let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
-            self.origins[i] = above + self.nodes[i].place.offset;
+            self.origins[i] = above + self.nodes[i].frame.offset;
         }
         for spring in &self.model.springs {
             let (nodes, origins) = (&self.nodes, &self.origins);
-            let seen = |i: usize| Seen { r: nodes[i].place.r, origin: origins[i], twist: nodes[i].twist };
+            let seen = |i: usize| Seen { r: nodes[i].frame.axes, origin: origins[i], twist: nodes[i].twist };
             for (link, wrench) in spring.wrenches(seen) {
                 if let Some(i) = link {
                     self.nodes[i].needed += wrench.scaled(-1.0);
@@ -113,15 +115,15 @@ impl Articulated {
     fn place(&mut self, i: usize, q: &[f64], v: &[f64]) {
         let link = &self.model.links[i];
         let (r, above) = match link.parent {
-            Some(p) => (self.nodes[p].place.r, self.nodes[p].twist),
+            Some(p) => (self.nodes[p].frame.axes, self.nodes[p].twist),
             None => (Matrix3::identity(), Spatial::zero()),
         };
-        let place = Place::new(link, &r, &q[link.position..]);
-        let joint = relative_twist(link.kind, &place.r, &v[link.velocity..]);
-        let swept = above.ang.cross(&place.offset);
+        let frame = JointFrame::of(link).link_frame(link.kind, &r, &q[link.position..], f64::sin_cos);
+        let joint = for_kind!(link.kind, Joint => Joint::twist(&frame.axes, &v[link.velocity..]));
+        let swept = above.ang.cross(&frame.offset);
         let omega = above.ang + joint.ang;
-        let moment = place.r.times(&Vector3::of(&link.first_moment));
-        let inertia = Inertia::of_body(link.mass, &moment, &Matrix3::of(&link.inertia), &place.r);
+        let moment = frame.axes.times(&Vector3::of(&link.first_moment));
+        let inertia = Inertia::of_body(link.mass, &moment, &Matrix3::of(&link.inertia), &frame.axes);
         let turning = inertia.times(&Spatial::new(Vector3::zeros(), omega)).ang;
         let gravity = Vector3::of(&self.model.gravity);
         let node = &mut self.nodes[i];
@@ -132,6 +134,6 @@ impl Articulated {
             omega.cross(&omega.cross(&moment)) - gravity * link.mass,
             omega.cross(&turning) - moment.cross(&gravity),
         );
-        (node.place, node.inertia) = (place, inertia);
+        (node.frame, node.inertia) = (frame, inertia);
     }
 }

@@ -23,14 +23,14 @@
 
 use std::sync::Arc;
 
-use crate::mechanics::JointKind;
 use crate::reduced::elimination::Elimination;
-use crate::reduced::frame::{Hold, Place, relative_twist};
 use crate::reduced::inertia::Inertia;
+use crate::reduced::joint::{Subtree, for_kind};
+use crate::reduced::joint_frame::JointFrame;
 use crate::reduced::link::Link;
+use crate::reduced::link_frame::LinkFrame;
 use crate::reduced::model::Model;
 use crate::reduced::number::linear::{Matrix3, Vector3};
-use crate::reduced::number::quaternion::{four, half_turn, lift, matrix, product, pure};
 use crate::reduced::number::real::{Lanes, Real};
 use crate::reduced::number::turn::Turn;
 use crate::reduced::spatial::Spatial;
@@ -39,7 +39,7 @@ use crate::reduced::spring::Seen;
 /// What a link keeps in all lanes: spread out once and not at every use.
 #[derive(Clone, Debug)]
 pub(in crate::reduced) struct Kept {
-    hold: Hold<Lanes>,
+    joint: JointFrame<Lanes>,
     mass: Lanes,
     mass_beyond: Lanes,
     first_moment: Vector3<Lanes>,
@@ -51,7 +51,7 @@ impl Kept {
     /// For all links of a model.
     pub(in crate::reduced) fn all(model: &Model) -> Arc<[Kept]> {
         let kept = |link: &Link| Kept {
-            hold: Hold::of(link),
+            joint: JointFrame::of(link),
             mass: Lanes::of(link.mass),
             mass_beyond: Lanes::of(link.mass_beyond),
             first_moment: Vector3::of(&link.first_moment),
@@ -68,7 +68,7 @@ pub(in crate::reduced) struct Point {
     kept: Arc<[Kept]>,
     /// Angles of turning joints with their sines.
     turns: Vec<Turn>,
-    places: Vec<Place<Lanes>>,
+    frames: Vec<LinkFrame<Lanes>>,
     twists: Vec<Spatial<Lanes>>,
     /// Momentum of the links beyond each joint about its joint point.
     momenta: Vec<Spatial<Lanes>>,
@@ -91,14 +91,14 @@ impl Point {
         Point {
             kept: kept.clone(),
             turns: vec![Turn::zero(); n],
-            places: vec![Place::ground(); n],
+            frames: vec![LinkFrame::ground(); n],
             twists: vec![Spatial::zero(); n],
             momenta: vec![Spatial::zero(); n],
             moments: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); sprung],
             loads: vec![Spatial::zero(); sprung],
             inertias: vec![Inertia::zero(); n],
-            eliminations: model.links.iter().map(|link| Elimination::new(link.kind)).collect(),
+            eliminations: model.links.iter().map(|link| for_kind!(link.kind, Joint => Joint::elimination())).collect(),
             offsets: vec![Vector3::zeros(); n],
             sums: vec![Spatial::zero(); n],
         }
@@ -107,12 +107,12 @@ impl Point {
     /// Axes and offsets of the links.
     pub(in crate::reduced) fn place(&mut self, model: &Model, q: &[Lanes]) {
         for (i, link) in model.links.iter().enumerate() {
-            let (above, rest) = self.places.split_at_mut(i);
+            let (above, rest) = self.frames.split_at_mut(i);
             let ground = Matrix3::identity();
             let turn = &mut self.turns[i];
-            let parent = link.parent.map_or(&ground, |p| &above[p].r);
-            let hold = &self.kept[i].hold;
-            rest[0] = Place::with(link.kind, hold, parent, &q[link.position..], |angle| turn.sin_cos(angle));
+            let parent = link.parent.map_or(&ground, |p| &above[p].axes);
+            let joint = &self.kept[i].joint;
+            rest[0] = joint.link_frame(link.kind, parent, &q[link.position..], |angle| turn.sin_cos(angle));
         }
     }
 
@@ -131,8 +131,9 @@ impl Point {
         let gravity = Vector3::of(&model.gravity);
         for (i, link) in model.links.iter().enumerate() {
             let above = link.parent.map_or(Spatial::zero(), |p| self.twists[p]);
-            let Place { r, offset } = &self.places[i];
-            let twist = above.twist_at(offset) + relative_twist(link.kind, r, &u[link.velocity..]);
+            let LinkFrame { axes: r, offset } = &self.frames[i];
+            let joint = for_kind!(link.kind, Joint => Joint::twist(r, &u[link.velocity..]));
+            let twist = above.twist_at(offset) + joint;
             let kept = &self.kept[i];
             let moment = r.times(&kept.first_moment);
             let turning = r.times(&kept.inertia.times(&r.transpose_times(&twist.ang)));
@@ -145,48 +146,29 @@ impl Point {
         }
         for (i, link) in model.links.iter().enumerate().rev() {
             let Kept { damping, mass_beyond, .. } = self.kept[i];
-            let Place { r, offset: d } = &self.places[i];
-            let Spatial { lin: p, ang: l } = self.momenta[i];
-            let (twist, moment) = (&self.twists[i], self.moments[i]);
-            let above = link.parent.map_or(Vector3::zeros(), |p| self.twists[p].ang);
-            let load = self.loads.get(i).copied().unwrap_or(Spatial::zero());
-            let pulled = || p.cross(&above) + gravity * mass_beyond + load.lin;
-            let swung =
-                |omega: &Vector3<Lanes>| l.cross(omega) + p.cross(&twist.lin) + moment.cross(&gravity) + load.ang;
-            let held = |u: Lanes| held(link, time, q[link.position]) - damping * u;
-            let u = &u[link.velocity..];
-            let (m, force) = (&mut m[link.velocity..], &mut force[link.velocity..]);
-            match link.kind {
-                JointKind::Revolute => {
-                    m[0] = r.column(2).dot(&l);
-                    force[0] = r.column(2).dot(&swung(&above)) + held(u[0]);
-                }
-                JointKind::Prismatic => {
-                    m[0] = r.column(2).dot(&p);
-                    force[0] = r.column(2).dot(&pulled()) + held(u[0]);
-                }
-                JointKind::Planar => {
-                    let (whole, pull) = (r.transpose_times(&p), r.transpose_times(&pulled()));
-                    (m[0], m[1], m[2]) = (whole.x, whole.y, r.column(2).dot(&l));
-                    let (s, c) = q[link.position + 2].sin_cos();
-                    let (x, y) = (pull.x - damping * u[0], pull.y - damping * u[1]);
-                    (force[0], force[1]) = (c * x - s * y, s * x + c * y);
-                    force[2] = r.column(2).dot(&swung(&above)) - damping * u[2];
-                }
-                JointKind::Spherical => {
-                    r.transpose_times(&l).write(m);
-                    let tau = r.transpose_times(&swung(&above));
-                    (0..3).for_each(|k| force[k] = tau[k] - damping * u[k]);
-                }
-                JointKind::Floating => {
-                    r.transpose_times(&p).write(m);
-                    r.transpose_times(&l).write(&mut m[3..]);
-                    let fixed = Matrix3::of(&link.parent_axes);
-                    let axes = link.parent.map_or(fixed, |p| self.places[p].r.product(&fixed));
-                    axes.transpose_times(&pulled()).write(force);
-                    r.transpose_times(&swung(&above)).write(&mut force[3..]);
-                }
-            }
+            let LinkFrame { axes, offset: d } = &self.frames[i];
+            let (moment, load) = (self.moments[i], self.loads.get(i).copied().unwrap_or(Spatial::zero()));
+            let subtree = Subtree {
+                axes,
+                parent: link.parent.map(|p| &self.frames[p].axes),
+                in_parent: &link.parent_axes,
+                momentum: self.momenta[i],
+                mass: mass_beyond,
+                first_moment: moment,
+                velocity: self.twists[i].lin,
+                parent_omega: link.parent.map_or(Vector3::zeros(), |p| self.twists[p].ang),
+                gravity,
+                load,
+            };
+            let (q, u) = (&q[link.position..], &u[link.velocity..]);
+            let effort = |k: usize| match link.kind.degrees_of_freedom() {
+                1 => held(link, time, q[0]) - damping * u[k],
+                _ => -(damping * u[k]),
+            };
+            for_kind!(link.kind, Joint => {
+                Joint::momentum(&subtree, &mut m[link.velocity..]);
+                Joint::force(&subtree, q, effort, &mut force[link.velocity..]);
+            });
             if let Some(parent) = link.parent {
                 let carried = self.momenta[i].wrench_from(d);
                 self.momenta[parent] += carried;
@@ -203,11 +185,11 @@ impl Point {
     fn pull(&mut self, model: &Model) {
         for (i, link) in model.links.iter().enumerate() {
             let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
-            self.origins[i] = above + self.places[i].offset;
+            self.origins[i] = above + self.frames[i].offset;
         }
         self.loads.fill(Spatial::zero());
         for spring in &model.springs {
-            let seen = |i: usize| Seen { r: self.places[i].r, origin: self.origins[i], twist: self.twists[i] };
+            let seen = |i: usize| Seen { r: self.frames[i].axes, origin: self.origins[i], twist: self.twists[i] };
             for (link, wrench) in spring.wrenches(seen) {
                 if let Some(i) = link {
                     self.loads[i] += wrench;
@@ -220,14 +202,14 @@ impl Point {
     /// any mass.
     pub(in crate::reduced) fn factorise(&mut self, model: &Model) -> Option<()> {
         for (i, link) in model.links.iter().enumerate() {
-            let r = &self.places[i].r;
+            let r = &self.frames[i].axes;
             self.inertias[i] =
                 Inertia::of_body(link.mass, &r.times(&self.kept[i].first_moment), &self.kept[i].inertia, r);
-            self.offsets[i] = self.places[i].offset;
+            self.offsets[i] = self.frames[i].offset;
         }
         for (i, link) in model.links.iter().enumerate().rev() {
             let mut passed = self.inertias[i];
-            self.eliminations[i].eliminate(link.kind, &self.places[i].r, &mut passed)?;
+            self.eliminations[i].eliminate(&self.frames[i].axes, &mut passed)?;
             if let Some(parent) = link.parent {
                 self.inertias[parent].add_shifted(&passed, &self.offsets[i]);
             }
@@ -278,19 +260,7 @@ pub(in crate::reduced) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &
     }
     for link in &model.links {
         let (q, p, m) = (&q[link.position..], &p[link.position..], &mut m[link.velocity..]);
-        match link.kind {
-            JointKind::Revolute | JointKind::Prismatic => m[0] = p[0],
-            JointKind::Planar => {
-                let (s, c) = q[2].sin_cos();
-                (m[0], m[1], m[2]) = (c * p[0] + s * p[1], c * p[1] - s * p[0], p[2]);
-            }
-            JointKind::Spherical => half_turn(&q[..4], &p[..4], &mut m[..3]),
-            JointKind::Floating => {
-                let moved = matrix(&q[3..7]).transpose_times(&Vector3::new(p[0], p[1], p[2]));
-                moved.write(m);
-                half_turn(&q[3..7], &p[3..7], &mut m[3..6]);
-            }
-        }
+        for_kind!(link.kind, Joint => Joint::momentum_along_velocities(q, p, m));
     }
 }
 
@@ -298,19 +268,7 @@ pub(in crate::reduced) fn along_velocities<T: Real>(model: &Model, q: &[T], p: &
 pub(in crate::reduced) fn canonical<T: Real>(model: &Model, q: &[T], m: &[T], p: &mut [T]) {
     for link in &model.links {
         let (q, m, p) = (&q[link.position..], &m[link.velocity..], &mut p[link.position..]);
-        match link.kind {
-            JointKind::Revolute | JointKind::Prismatic => p[0] = m[0],
-            JointKind::Planar => {
-                let (s, c) = q[2].sin_cos();
-                (p[0], p[1], p[2]) = (c * m[0] - s * m[1], s * m[0] + c * m[1], m[2]);
-            }
-            JointKind::Spherical => lift(&q[..4], &m[..3], &mut p[..4]),
-            JointKind::Floating => {
-                let moved = matrix(&q[3..7]).times(&Vector3::new(m[0], m[1], m[2]));
-                moved.write(p);
-                lift(&q[3..7], &m[3..6], &mut p[3..7]);
-            }
-        }
+        for_kind!(link.kind, Joint => Joint::canonical_momentum(q, m, p));
     }
 }
 
@@ -323,22 +281,9 @@ pub(in crate::reduced) fn momentum_rates<T: Real>(
     force: &[T],
     rate: &mut [T],
 ) {
-    let turn = |q: &[T], p: &[T], u: &[T], tau: &[T], rate: &mut [T]| {
-        lift(q, tau, rate);
-        let turned = product(&four(p), &pure(u));
-        rate.iter_mut().zip(turned).for_each(|(rate, turned)| *rate += T::of(0.5) * turned);
-    };
     for link in &model.links {
         let (q, p, rate) = (&q[link.position..], &p[link.position..], &mut rate[link.position..]);
         let (u, force) = (&u[link.velocity..], &force[link.velocity..]);
-        match link.kind {
-            JointKind::Revolute | JointKind::Prismatic => rate[0] = force[0],
-            JointKind::Planar => rate[..3].copy_from_slice(&force[..3]),
-            JointKind::Spherical => turn(&q[..4], &p[..4], &u[..3], &force[..3], &mut rate[..4]),
-            JointKind::Floating => {
-                rate[..3].copy_from_slice(&force[..3]);
-                turn(&q[3..7], &p[3..7], &u[3..6], &force[3..6], &mut rate[3..7]);
-            }
-        }
+        for_kind!(link.kind, Joint => Joint::momentum_rate(q, p, u, force, rate));
     }
 }

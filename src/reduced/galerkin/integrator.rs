@@ -9,7 +9,7 @@ use crate::mechanics::State;
 use crate::reduced::equations::hamiltonian::{Kept, canonical, momentum_rates};
 use crate::reduced::model::Model;
 use crate::reduced::number::compensated::Compensated;
-use crate::reduced::number::real::{LANES, Lanes, Real};
+use crate::reduced::number::real::{LANES, Lanes};
 
 pub(super) const MOST_ROUNDS: usize = 60;
 /// Corrections of the velocities, in units of those that hold the scene's energy, that no longer count: a third of the roundoff

@@ -158,6 +158,13 @@ impl<T: Real> Matrix3<T> {
         Vector3::new(x.dot(v), y.dot(v), z.dot(v))
     }
 
+    /// Axes turned about their own z axis by an angle of this sine and cosine.
+    #[inline(always)]
+    pub(in crate::reduced) fn turned_about_z(&self, (s, c): (T, T)) -> Matrix3<T> {
+        let [x, y, z] = self.columns;
+        Matrix3::from_columns([x * c + y * s, y * c - x * s, z])
+    }
+
     /// `M N`
     #[inline(always)]
     pub(in crate::reduced) fn product(&self, n: &Matrix3<T>) -> Matrix3<T> {

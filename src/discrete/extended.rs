@@ -6,8 +6,8 @@
 //! L~(x, x') = t' L(t, q, q'/t')                                                               (MW 4.2)
 //! ```
 //!
-//! and a discrete Lagrangian for `L~` with parameter step 1 is an extended discrete Lagrangian `L_d(t0, q0, t1, q1)`. The
-//! momentum of `t` is minus the energy, so the discrete Legendre transforms hold the discrete energies
+//! and a discrete Lagrangian for `L~` with parameter step 1 is an extended discrete Lagrangian `L_d(t0, q0, t1, q1)`.
+//! The momentum of `t` is minus the energy, so the discrete Legendre transforms hold the discrete energies
 //!
 //! ```text
 //! E0 = D_t0 L_d(t0, q0, t1, q1),     E1 = -D_t1 L_d(t0, q0, t1, q1)                             (MW 4.5)
@@ -190,8 +190,8 @@ pub struct ExtendedState {
 /// p1 =  D_q1 L_d,  E1 = -D_t1 L_d
 /// ```
 ///
-/// `length` is a guess for the step, such as the last one; the iteration starts from the step of that length. There is a
-/// solution only where the energy can be had with a real step; a natural energy of the initial state often cannot (MW
+/// `length` is a guess for the step, such as the last one; the iteration starts from the step of that length. There is
+/// a solution only where the energy can be had with a real step; a natural energy of the initial state often cannot (MW
 /// example 4.9.1), so start with [`step_of_length`].
 ///
 /// # Errors
@@ -213,8 +213,8 @@ pub fn extended_map(
     Ok(unpack(&x, &y))
 }
 
-/// The step of a given length from `(t0, q0, p0)`, with the energies that it has (MW 4.9.2): the state at `t0`, whose energy
-/// is the discrete one, and the state at its end.
+/// The step of a given length from `(t0, q0, p0)`, with the energies that it has (MW 4.9.2): the state at `t0`, whose
+/// energy is the discrete one, and the state at its end.
 ///
 /// # Errors
 /// [`SolveError`] where `q1` is not found.

@@ -40,8 +40,8 @@ const KEEP: usize = 16;
 /// Drag of figure 2: `f = -1e-3 v`, kg/s.
 const DRAG: f64 = 1e-3;
 
-/// MW figure 1: a particle in the plane, `L = 1/2 |v|^2 - |q|^2 (|q|^2 - 1)^2`. The variational Newmark method (beta = 0)
-/// against RK4 at the same step. The start and the step are ours.
+/// MW figure 1: a particle in the plane, `L = 1/2 |v|^2 - |q|^2 (|q|^2 - 1)^2`. The variational Newmark method
+/// (`beta = 0`) against RK4 at the same step. The start and the step are ours.
 ///
 /// # Errors
 /// [`SolveError`] where a step is not found.
@@ -61,8 +61,8 @@ pub fn conservative_particle() -> Result<EnergyFigure, SolveError> {
     })
 }
 
-/// MW figure 2, example 3.2.3: the same particle under the drag `f = -1e-3 v`. The forced midpoint rule against RK4 at the
-/// same step and a benchmark motion.
+/// MW figure 2, example 3.2.3: the same particle under the drag `f = -1e-3 v`. The forced midpoint rule against RK4 at
+/// the same step and a benchmark motion.
 ///
 /// # Errors
 /// [`SolveError`] where a step is not found.

@@ -53,8 +53,8 @@ pub trait DiscreteLegendre {
     fn legendre(&self, q0: &Vector, q1: &Vector, h: f64) -> Result<Legendre, SolveError>;
 }
 
-/// A discrete Lagrangian `L_d(q0, q1, h)`: an approximation of the action along the motion from `q0` to `q1` in time `h`
-/// (MW 1.3 and 1.6). `h` may be negative.
+/// A discrete Lagrangian `L_d(q0, q1, h)`: an approximation of the action along the motion from `q0` to `q1` in time
+/// `h` (MW 1.3 and 1.6). `h` may be negative.
 pub trait DiscreteLagrangian: Send + Sync {
     /// n
     fn dim(&self) -> usize;

@@ -57,9 +57,10 @@ const FITTED: usize = 4;
 /// An error counts where it is this many units of roundoff.
 const CLEAR_OF_ROUNDOFF: f64 = 30.0;
 
-/// What theory says. `L_d` and the map have the order of the method. The Legendre transforms divide by `h` and can be one
-/// order worse (PC section 4; MW theorem 2.3.1 claims no loss), and are for every method of the list but one: chords
-/// with an accurate quadrature and a constant mass err there only by the force between chord and motion, `O(h^3)`.
+/// What theory says. `L_d` and the map have the order of the method. The Legendre transforms divide by `h` and can be
+/// one order worse (PC section 4; MW theorem 2.3.1 claims no loss), and are for every method of the list but one:
+/// chords with an accurate quadrature and a constant mass err there only by the force between chord and motion,
+/// `O(h^3)`.
 pub fn theory(method: &Method, problem: &Problem) -> Orders {
     let r = method.order as f64;
     let accurate_chord = method.name == "Galerkin 1, Gauss 2" && problem.system.separable().is_some();
@@ -67,7 +68,8 @@ pub fn theory(method: &Method, problem: &Problem) -> Orders {
     Orders { lagrangian: r, legendre_minus: legendre, legendre_plus: legendre, map: r }
 }
 
-/// The two nonlinear, non-separable problems of the table: a constant mass matrix, and one that depends on the position.
+/// The two nonlinear, non-separable problems of the table: a constant mass matrix, and one that depends on the
+/// position.
 pub fn problems() -> [Problem; 2] {
     [coupled_wells(), double_pendulum()]
 }
@@ -108,9 +110,9 @@ pub fn order_row(method: &Method, problem: &Problem) -> Result<Option<OrderRow>,
     }))
 }
 
-/// Errors of one step over a range of step sizes: root mean squares over steps spread along the motion and its reversal,
-/// each centred on its time, so that chance cancellations at one point do not pass for order. Step sizes at which some
-/// step cannot be solved are left out.
+/// Errors of one step over a range of step sizes: root mean squares over steps spread along the motion and its
+/// reversal, each centred on its time, so that chance cancellations at one point do not pass for order. Step sizes at
+/// which some step cannot be solved are left out.
 ///
 /// # Errors
 /// [`SolveError`] where the reference motion fails.
@@ -145,8 +147,8 @@ fn points_along(
     Ok(points)
 }
 
-/// Root mean squares of the errors of steps about the points given, for every step size at which none is `None`. `squares`
-/// takes start, end and length of a step of the reference motion to squared errors.
+/// Root mean squares of the errors of steps about the points given, for every step size at which none is `None`.
+/// `squares` takes start, end and length of a step of the reference motion to squared errors.
 fn mean_errors<const N: usize>(
     motion: &Motion<'_>,
     middles: &[MotionPoint],

@@ -4,8 +4,8 @@ use super::Vector;
 use super::lagrangian::{DiscreteLegendre, Legendre};
 use super::solve::SolveError;
 
-/// `F-` of one discrete Lagrangian with `F+` of another. Where both have order r the map has only order r - 1 (PC section
-/// 4): the momenta that it matches err differently.
+/// `F-` of one discrete Lagrangian with `F+` of another. Where both have order r the map has only order r - 1 (PC
+/// section 4): the momenta that it matches err differently.
 pub struct TwoSided<A, B> {
     pub minus: A,
     pub plus: B,

@@ -15,7 +15,8 @@ pub struct Closure {
     pub kind: LoopKind,
     pub parent: Option<usize>,
     pub child: Option<usize>,
-    /// Pose of the joint frame in the parent body's frame (in the world for the ground); its z axis is the joint's axis.
+    /// Pose of the joint frame in the parent body's frame (in the world for the ground); its z axis is the joint's
+    /// axis.
     pub in_parent: Isometry3<f64>,
     /// Pose of the joint frame in the child body's frame (in the world for the ground).
     pub in_child: Isometry3<f64>,

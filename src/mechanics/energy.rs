@@ -112,12 +112,13 @@ fn nearest_to_rest(system: &System, mut joints: Vec<JointCoordinates>) -> Vec<Jo
 ///
 /// - the initial kinetic energy,
 /// - the initial energy of the springs,
-/// - `sum_b m_b |g| d_b`, where `d_b` is the length of the path along the tree from the ground's joint to the body's centre
-///   of mass,
-/// - `sum (|effort| + |amplitude|) * 1` over the drives: the work that they do over one radian, or one metre, at full effort.
+/// - `sum_b m_b |g| d_b`, where `d_b` is the length of the path along the tree from the ground's joint to the body's
+///   centre of mass,
+/// - `sum (|effort| + |amplitude|) * 1` over the drives: the work that they do over one radian, or one metre, at full
+///   effort.
 ///
-/// A scene where all of them are zero but bodies fall is measured by the energy of its first second of free fall, and one
-/// where nothing can happen by 1 J. [`System::energy_scale`] is not read.
+/// A scene where all of them are zero but bodies fall is measured by the energy of its first second of free fall, and
+/// one where nothing can happen by 1 J. [`System::energy_scale`] is not read.
 pub fn scale(system: &System) -> f64 {
     let System { bodies, parts, gravity, initial, initial_coordinates, .. } = system;
     let mut potential = 0.0;

@@ -7,8 +7,8 @@ use super::joint_kind::JointKind;
 /// A joint between a body and its parent, as a motion subspace.
 ///
 /// The *joint frame* exists twice: fixed in the parent and fixed in the child; at joint position zero the two agree.
-/// Its z axis is the axis of the joint. A relative twist is that of the child against the parent, taken at the origin of
-/// the child's joint frame, in the axes of the parent's joint frame; a joint lets exactly the components of
+/// Its z axis is the axis of the joint. A relative twist is that of the child against the parent, taken at the origin
+/// of the child's joint frame, in the axes of the parent's joint frame; a joint lets exactly the components of
 /// [`JointKind::free`] pass.
 #[derive(Clone, Debug)]
 pub struct Joint {

@@ -88,7 +88,8 @@ pub fn conserved(system: &System) -> Vec<Conserved> {
     found
 }
 
-/// True where a loop, coupling, spring or drive acts between a tree and what is not part of it, or along its ground joint.
+/// True where a loop, coupling, spring or drive acts between a tree and what is not part of it, or along its ground
+/// joint.
 fn pushed_from_outside(system: &System, root: usize, tree: &[usize]) -> bool {
     let parts = &system.parts;
     let inside = |body: Option<usize>| body.is_some_and(|b| tree.contains(&b));

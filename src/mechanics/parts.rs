@@ -15,8 +15,8 @@ pub struct Parts {
     pub drives: Vec<Drive>,
 }
 
-/// A joint that follows another one (URDF `<mimic>`): `theta(follower) = multiplier theta(source) + offset`. Both have one
-/// coordinate; joints are named by the index of their child body.
+/// A joint that follows another one (URDF `<mimic>`): `theta(follower) = multiplier theta(source) + offset`. Both have
+/// one coordinate; joints are named by the index of their child body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     pub follower: usize,
@@ -26,7 +26,8 @@ pub struct Coupling {
     pub offset: f64,
 }
 
-/// A spring with a damper beside it in a joint of one coordinate: effort `-stiffness (theta - rest) - damping thetadot`.
+/// A spring with a damper beside it in a joint of one coordinate: effort
+/// `-stiffness (theta - rest) - damping thetadot`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointSpring {
     /// Index of the joint's child body.

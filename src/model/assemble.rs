@@ -66,8 +66,8 @@ impl Assembly {
         }
     }
 
-    /// Adds a link on a parent, by its index (0 is the base), and returns the index of the new one. Joint `i` carries link
-    /// `i + 1`; they are named `joint_<i + 1>` and `link_<i + 1>`.
+    /// Adds a link on a parent, by its index (0 is the base), and returns the index of the new one. Joint `i` carries
+    /// link `i + 1`; they are named `joint_<i + 1>` and `link_<i + 1>`.
     pub fn add(&mut self, parent: usize, mount: Mount, inertial: Option<Inertial>) -> usize {
         let child = self.model.links.len();
         let Mount { kind, axis, origin, damping } = mount;
@@ -94,8 +94,8 @@ impl Assembly {
 }
 
 impl Inertial {
-    /// A solid cylinder along x from the link's origin: `Ixx = m r^2 / 2`, `Iyy = Izz = m (3 r^2 + l^2) / 12`. Lengths m,
-    /// mass kg.
+    /// A solid cylinder along x from the link's origin: `Ixx = m r^2 / 2`, `Iyy = Izz = m (3 r^2 + l^2) / 12`. Lengths
+    /// m, mass kg.
     pub fn rod(length: f64, radius: f64, mass: f64) -> Inertial {
         let across = mass * (3.0 * radius * radius + length * length) / 12.0;
         let moments = Vector3::new(0.5 * mass * radius * radius, across, across);

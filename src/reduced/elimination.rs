@@ -74,8 +74,8 @@ impl<T: Real> Elimination<T> {
         Elimination::Free { r: Matrix3::identity(), factor: Box::new(Factor::identity()) }
     }
 
-    /// Eliminates the directions of a joint with link axes `r`, and leaves in `inertia` what the parent feels. `None` where
-    /// the joint can move without moving any mass.
+    /// Eliminates the directions of a joint with link axes `r`, and leaves in `inertia` what the parent feels. `None`
+    /// where the joint can move without moving any mass.
     #[inline(always)]
     pub(super) fn eliminate(&mut self, r: &Matrix3<T>, inertia: &mut Inertia<T>) -> Option<()> {
         match self {

@@ -20,8 +20,8 @@ impl<T: Real> JointFrame<T> {
         JointFrame { axes: Matrix3::of(&link.parent_axes), point: Vector3::of(&link.in_parent.translation.vector) }
     }
 
-    /// The child's link frame with the axes of the parent's. `q` begins with the positions of the joint; a quaternion may
-    /// have any length. The sine and cosine of an angle come from elsewhere.
+    /// The child's link frame with the axes of the parent's. `q` begins with the positions of the joint; a quaternion
+    /// may have any length. The sine and cosine of an angle come from elsewhere.
     #[inline(always)]
     pub(super) fn link_frame(
         &self,

@@ -25,7 +25,8 @@ pub struct Link {
     pub mass_beyond: f64,
     /// N m s/rad or N s/m, for each velocity.
     pub damping: f64,
-    /// Springs in a joint of one coordinate: the effort is `spring_effort - stiffness q`, in N m/rad and N m, or N/m and N.
+    /// Springs in a joint of one coordinate: the effort is `spring_effort - stiffness q`, in N m/rad and N m, or N/m
+    /// and N.
     pub stiffness: f64,
     pub spring_effort: f64,
     /// In a joint of one coordinate.

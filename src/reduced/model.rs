@@ -14,8 +14,8 @@ use crate::mechanics::{BodyState, Coupling, State, System};
 ///
 /// Positions of a joint: the angle or length; for `Planar` x, y and the angle; for `Spherical` a quaternion
 /// `(x, y, z, w)`; for `Floating` the position, then a quaternion. Velocities are the free components of the relative
-/// twist of the link frame against the joint frame in the parent, *in the axes of the link frame*: the motion subspace is
-/// constant there.
+/// twist of the link frame against the joint frame in the parent, *in the axes of the link frame*: the motion subspace
+/// is constant there.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub links: Vec<Link>,
@@ -128,7 +128,8 @@ impl Model {
         }
     }
 
-    /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions exactly.
+    /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions
+    /// exactly.
     pub fn advance(&self, q: &mut [f64], v: &[f64], h: f64) {
         for link in &self.links {
             let (q, v) = (&mut q[link.position..], &v[link.velocity..]);

@@ -1,7 +1,7 @@
 //! Springs between points of links, with dampers beside them.
 //!
-//! With the distance `d` of the points, the force `k (d - rest_length) + c d(d)/dt` pulls each towards the other. Where the
-//! points coincide the line between them has no direction, and there is no force.
+//! With the distance `d` of the points, the force `k (d - rest_length) + c d(d)/dt` pulls each towards the other. Where
+//! the points coincide the line between them has no direction, and there is no force.
 
 use nalgebra::Vector3 as Constant;
 

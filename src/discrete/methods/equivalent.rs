@@ -12,9 +12,9 @@ use crate::discrete::system::Potential;
 /// L_d(q0, q1, h) + h^k (f(q1) - f(q0))                                                  (MW 2.1.2)
 /// ```
 ///
-/// The term added is null: it cancels from the discrete Euler-Lagrange equations, so the map in position form is the same
-/// (weak equivalence). Momenta shift by `h^k df(q)`, and the discrete Hamiltonian map is conjugate by that shift. With
-/// `f = b . q` and `k = 1` it is the example of PC section 2.
+/// The term added is null: it cancels from the discrete Euler-Lagrange equations, so the map in position form is the
+/// same (weak equivalence). Momenta shift by `h^k df(q)`, and the discrete Hamiltonian map is conjugate by that shift.
+/// With `f = b . q` and `k = 1` it is the example of PC section 2.
 pub struct Equivalent {
     pub lagrangian: SharedLagrangian,
     pub null: Arc<dyn Potential>,

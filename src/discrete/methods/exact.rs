@@ -13,9 +13,9 @@ use crate::discrete::system::SharedSystem;
 /// f_d^E-(q0, q1, h) = integral of f . dq(t)/dq0 dt,     f_d^E+ = integral of f . dq(t)/dq1 dt          (MW 3.2.3)
 /// ```
 ///
-/// along the motion with `q(0) = q0`, `q(h) = q1`, found by shooting to roundoff. Its discrete Hamiltonian map is the flow
-/// (MW 1.6.3 and 1.6.4). The discrete forces are taken from the momenta, `f_d^E+ = p1 - D2 L_d^E`; they and the second
-/// derivatives are central differences of shots (error about 1e-11).
+/// along the motion with `q(0) = q0`, `q(h) = q1`, found by shooting to roundoff. Its discrete Hamiltonian map is the
+/// flow (MW 1.6.3 and 1.6.4). The discrete forces are taken from the momenta, `f_d^E+ = p1 - D2 L_d^E`; they and the
+/// second derivatives are central differences of shots (error about 1e-11).
 ///
 /// Where several motions join the points, the one nearest to the chord is taken.
 pub struct Exact {

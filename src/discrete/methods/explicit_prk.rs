@@ -9,9 +9,9 @@ use crate::discrete::system::SharedSystem;
 /// ```
 ///
 /// with `x_0 = q0`, `x_s = q1`, drifts `a_1 ... a_s` (none 0, sum 1) and kicks `b_0 ... b_s` (sum 1). `None` where the
-/// system is not of the form `1/2 v^T M v - V(q)` with constant `M`. A force acts with the kicks, at the mean velocity of
-/// the two drifts beside it: where it depends on the velocity that keeps the order of compositions of Stoermer-Verlet
-/// steps, such as Forest and Ruth's, and of no others.
+/// system is not of the form `1/2 v^T M v - V(q)` with constant `M`. A force acts with the kicks, at the mean velocity
+/// of the two drifts beside it: where it depends on the velocity that keeps the order of compositions of
+/// Stoermer-Verlet steps, such as Forest and Ruth's, and of no others.
 pub fn explicit_prk(system: SharedSystem, kicks: &[f64], drifts: &[f64]) -> Option<StencilLagrangian> {
     system.separable()?;
     let s = drifts.len();

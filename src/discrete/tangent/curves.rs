@@ -18,8 +18,8 @@ pub struct Bend {
     pub velocity_v: Matrix,
 }
 
-/// A curve `psi(t)` for each `(q, v)`, with `psi(0) = q` and `psi'(0) = v`. What it adds to the straight line is asked for
-/// divided by `t^2` and by `t`, so that nothing cancels for short times.
+/// A curve `psi(t)` for each `(q, v)`, with `psi(0) = q` and `psi'(0) = v`. What it adds to the straight line is asked
+/// for divided by `t^2` and by `t`, so that nothing cancels for short times.
 pub trait Curves: Send + Sync {
     /// # Errors
     /// [`SolveError`] where the curve cannot be had.
@@ -45,8 +45,8 @@ impl Curves for Straight {
     }
 }
 
-/// Parabolas that osculate the motion, `psi(t) = q + t v + 1/2 t^2 a(q, v)`. Derivatives of the acceleration are taken by
-/// differences (error about 1e-12).
+/// Parabolas that osculate the motion, `psi(t) = q + t v + 1/2 t^2 a(q, v)`. Derivatives of the acceleration are taken
+/// by differences (error about 1e-12).
 pub struct Osculating(pub SharedSystem);
 
 /// Increment of those differences.

@@ -1,4 +1,5 @@
-//! Steps in the variables `(q, v)` of a discretised tangent bundle, and what becomes of them as `h` goes to 0 (PC section 2).
+//! Steps in the variables `(q, v)` of a discretised tangent bundle, and what becomes of them as `h` goes to 0 (PC
+//! section 2).
 //!
 //! A discretisation of TQ is a family of short curves and two numbers, `(psi, alpha+, alpha-)`. It assigns to each
 //! `z = (q, v)` a curve with `psi(0) = q`, `psi'(0) = v`, and its ends
@@ -7,9 +8,9 @@
 //! q- = psi(h alpha-),     q+ = psi(h alpha+),     alpha+ - alpha- = 1 .
 //! ```
 //!
-//! A discrete Lagrangian on TQ is the action along the curve by quadrature, `L_h(z) = h sum_i b_i L(psi(t_i), psi'(t_i))` at
-//! `t_i = h (alpha- + c_i)`; with straight curves and one node at `t = 0` it is `h L(q, v) = L_d^alpha(q-, q+)` for
-//! `alpha = -alpha-`. Its momenta at the ends are defined by
+//! A discrete Lagrangian on TQ is the action along the curve by quadrature,
+//! `L_h(z) = h sum_i b_i L(psi(t_i), psi'(t_i))` at `t_i = h (alpha- + c_i)`; with straight curves and one node at
+//! `t = 0` it is `h L(q, v) = L_d^alpha(q-, q+)` for `alpha = -alpha-`. Its momenta at the ends are defined by
 //!
 //! ```text
 //! dL_h(z) = p+ . dq+(z) - p- . dq-(z) ,                                                              (1)
@@ -17,17 +18,18 @@
 //!
 //! and a motion is a sequence of curves that meet with one momentum, `q+(z) = q-(z')`, `p+(z) = p-(z')` (2).
 //!
-//! Both equations are singular at `h = 0`, where the two ends fall together. The *blown-up* equations (PC section 2.4) are
-//! not. With `psi = q + t v + t^2 xi` and `psi' = v + t eta` everything in (1) is divided by `h` on paper:
+//! Both equations are singular at `h = 0`, where the two ends fall together. The *blown-up* equations (PC section 2.4)
+//! are not. With `psi = q + t v + t^2 xi` and `psi' = v + t eta` everything in (1) is divided by `h` on paper:
 //! `p- = p+ - h r`, and
 //!
 //! ```text
 //! (I + h B) p+ = g ,     r = C-^-T (l_q - h c^T p+) ,                                                 (3)
 //! ```
 //!
-//! where `(l_q, l_v)` are the derivatives of `L_h/h`, `C- = I + t-^2 xi_q-` and `V- = I + t- xi_v-` those of `q-` (in `v` over
-//! `t-`), `c = alpha+^2 xi_q+ - alpha-^2 xi_q-`, `B = (alpha+^2 xi_v+ - alpha-^2 xi_v-)^T - h alpha- V-^T C-^-T c^T` and
-//! `g = l_v - h alpha- V-^T C-^-T l_q`. With `z' = z + h (W, A)` the step (2), divided by `h`, reads
+//! where `(l_q, l_v)` are the derivatives of `L_h/h`, `C- = I + t-^2 xi_q-` and `V- = I + t- xi_v-` those of `q-` (in
+//! `v` over `t-`), `c = alpha+^2 xi_q+ - alpha-^2 xi_q-`,
+//! `B = (alpha+^2 xi_v+ - alpha-^2 xi_v-)^T - h alpha- V-^T C-^-T c^T` and `g = l_v - h alpha- V-^T C-^-T l_q`. With
+//! `z' = z + h (W, A)` the step (2), divided by `h`, reads
 //!
 //! ```text
 //! W = alpha+ (v + t+ xi+(z)) - alpha- (v' + t- xi-(z')),     (p+(z') - p+(z))/h = r(z') .             (4)
@@ -50,8 +52,8 @@ use super::{Matrix, Vector};
 
 pub use curves::{Bend, Curves, Osculating, Sinusoids, Straight};
 
-/// A discretisation `(psi, alpha+, alpha-)` of the tangent bundle of a system's space, with the quadrature of its action.
-/// `alpha+` is `alpha- + 1`. Where `alpha-` depends on `h` it is the value at the step that is taken.
+/// A discretisation `(psi, alpha+, alpha-)` of the tangent bundle of a system's space, with the quadrature of its
+/// action. `alpha+` is `alpha- + 1`. Where `alpha-` depends on `h` it is the value at the step that is taken.
 pub struct Discretisation<'a> {
     pub system: &'a dyn LagrangianSystem,
     /// psi
@@ -235,7 +237,8 @@ impl<'a> Discretisation<'a> {
         solve_linear("ends of a curve", &(Matrix::identity(n, n) + &there.bending * h), &change)
     }
 
-    /// The change of `L_v` from one node to another over `h`, where position and velocity change by `h chord` and `h turn`.
+    /// The change of `L_v` from one node to another over `h`, where position and velocity change by `h chord` and
+    /// `h turn`.
     fn mean_second_derivatives(&self, from: &Node, to: &Node, chord: &Vector, turn: &Vector) -> Vector {
         let rule = Quadrature::gauss(MEAN_NODES);
         let mut sum = Vector::zeros(chord.len());

@@ -1,9 +1,9 @@
 //! Consistent initial values of a system with loops and couplings, and its mobility.
 //!
 //! With `theta` the coordinates of all joints, `phi(theta)` what the loop closures and couplings do not allow and
-//! `J = d phi / d thetadot`, the positions left open solve `phi(theta) = 0` by Gauss-Newton steps of least norm, and the
-//! velocities left open solve `J thetadot = 0` with least norm. Redundant rows are the rule (a planar four-bar closed by a
-//! hinge has three): every solve is by singular values.
+//! `J = d phi / d thetadot`, the positions left open solve `phi(theta) = 0` by Gauss-Newton steps of least norm, and
+//! the velocities left open solve `J thetadot = 0` with least norm. Redundant rows are the rule (a planar four-bar
+//! closed by a hinge has three): every solve is by singular values.
 
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
@@ -24,8 +24,8 @@ const LONGEST_STEP: f64 = 0.3;
 const STEPS: usize = 200;
 const STARTS: usize = 40;
 
-/// How far closures may be open in a consistent state: m or rad for positions, m/s or rad/s for velocities, each against
-/// the size of the system's own lengths and velocities.
+/// How far closures may be open in a consistent state: m or rad for positions, m/s or rad/s for velocities, each
+/// against the size of the system's own lengths and velocities.
 const CLOSED: f64 = 1e-11;
 
 /// What a scene gives of a joint's initial state. What it does not give is free to be solved for.

@@ -20,7 +20,8 @@ pub(super) struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// The body that a link is part of, and a pose in the link's frame in that body's frame; for the ground in the world.
+    /// The body that a link is part of, and a pose in the link's frame in that body's frame; for the ground in the
+    /// world.
     fn place(&self, link: Option<usize>, pose: Isometry3<f64>) -> (Option<usize>, Isometry3<f64>) {
         let Some(link) = link else { return (None, pose) };
         let (assembly, link_pose) = self.welded.places[link];

@@ -36,8 +36,8 @@ pub(super) fn principal(model: &Model, assembly: &Assembly) -> Principal {
     Principal { mass, moments, body_in_assembly: Isometry3::from_parts(Translation3::from(com), axes) }
 }
 
-/// Principal moments and the rotation from principal axes to the given axes. A tensor that is diagonal already keeps its
-/// axes; moments that roundoff made negative become zero.
+/// Principal moments and the rotation from principal axes to the given axes. A tensor that is diagonal already keeps
+/// its axes; moments that roundoff made negative become zero.
 fn diagonalise(inertia: &Matrix3<f64>) -> (Vector3<f64>, UnitQuaternion<f64>) {
     let off_diagonal = inertia[(0, 1)].abs().max(inertia[(0, 2)].abs()).max(inertia[(1, 2)].abs());
     if off_diagonal <= 1e-14 * inertia.diagonal().amax() {

@@ -44,7 +44,10 @@ pub enum SceneProblem {
     UnknownLink { key: String, link: String, links: Vec<String> },
     #[error("{key}: joint '{joint}' is fixed and has no coordinates; remove it here")]
     FixedJoint { key: String, joint: String },
-    #[error("{key}: joint '{joint}' is {kind} and takes {expected} number{}, got {got}", if *.expected == 1 { "" } else { "s" })]
+    #[error(
+        "{key}: joint '{joint}' is {kind} and takes {expected} number{}, got {got}",
+        if *.expected == 1 { "" } else { "s" }
+    )]
     CoordinateCount { key: String, joint: String, kind: &'static str, expected: usize, got: usize },
     #[error("{key}: joint '{joint}' is {kind}; it must be revolute, continuous or prismatic")]
     NotOneCoordinate { key: String, joint: String, kind: &'static str },

@@ -92,9 +92,9 @@ pub struct InitialFile {
     pub base: Option<BaseStateFile>,
 }
 
-/// Coordinates and velocities of one joint. A planar joint has two lengths (along the axes that the shortest turn from z
-/// to the joint axis makes of x and y) and an angle; a spherical joint has a rotation vector; a floating joint has three
-/// lengths and a rotation vector.
+/// Coordinates and velocities of one joint. A planar joint has two lengths (along the axes that the shortest turn from
+/// z to the joint axis makes of x and y) and an angle; a spherical joint has a rotation vector; a floating joint has
+/// three lengths and a rotation vector.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointStateFile {
@@ -189,7 +189,10 @@ pub struct OriginFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
-    { "required": ["joint"], "not": { "anyOf": [{ "required": ["from"] }, { "required": ["to"] }, { "required": ["rest_length"] }] } },
+    {
+        "required": ["joint"],
+        "not": { "anyOf": [{ "required": ["from"] }, { "required": ["to"] }, { "required": ["rest_length"] }] }
+    },
     { "required": ["from", "to"], "not": { "anyOf": [{ "required": ["joint"] }, { "required": ["rest"] }] } }
 ]))]
 pub struct SpringFile {

@@ -17,8 +17,8 @@ pub(super) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T
     Ok(file)
 }
 
-/// serde_json's own message, with its place put in front and in the words of JSON instead of those of Rust. `key` is `.`
-/// for the file as a whole.
+/// serde_json's own message, with its place put in front and in the words of JSON instead of those of Rust. `key` is
+/// `.` for the file as a whole.
 fn json_error(path: &Path, key: &str, error: &serde_json::Error) -> SceneError {
     let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let position = Position { line: place(error.line()), column: place(error.column()) };

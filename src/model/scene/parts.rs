@@ -37,7 +37,8 @@ pub enum Spring {
     /// Effort `-stiffness (position - rest) - damping velocity` in a joint of one coordinate. N m/rad and N m s/rad, or
     /// N/m and N s/m.
     Joint { joint: usize, stiffness: f64, damping: f64, rest: f64 },
-    /// Force `stiffness (distance - rest_length) + damping d(distance)/dt` that pulls two points together. N/m, N s/m, m.
+    /// Force `stiffness (distance - rest_length) + damping d(distance)/dt` that pulls two points together. N/m, N s/m,
+    /// m.
     Points { from: Anchor, to: Anchor, stiffness: f64, damping: f64, rest_length: f64 },
 }
 

@@ -186,7 +186,8 @@ mod tests {
             "loops": [{"name": "closure", "type": "revolute", "axis": [0, 2, 0], "parent": "tool",
                        "parent_origin": {"xyz": [1, 0, 0]}, "child": "world", "child_origin": {"rpy": [0, 0, 1]}}],
             "springs": [{"joint": "elbow", "stiffness": 100, "damping": 0.1, "rest": 0.2},
-                        {"from": {"link": "arm", "point": [1, 2, 3]}, "to": {"link": "world"}, "stiffness": 5, "rest_length": 2}],
+                        {"from": {"link": "arm", "point": [1, 2, 3]}, "to": {"link": "world"}, "stiffness": 5,
+                         "rest_length": 2}],
             "drives": [{"joint": "elbow", "effort": 1, "amplitude": 2, "frequency_hz": 3, "phase": 4}],
             "bounds": [{"engine": "rattle", "step": 0.001, "duration": 1000, "metric": "energy.final", "max": 1e-4}]}"#,
         );

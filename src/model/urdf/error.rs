@@ -80,7 +80,11 @@ pub enum Problem {
          closed by \"loops\" in a scene file"
     )]
     TwoParents { link: String, first: String, second: String },
-    #[error("joint '{joint}': closes a cycle of links {}; a URDF is a tree, and a loop is closed by \"loops\" in a scene file", .path.join(" -> "))]
+    #[error(
+        "joint '{joint}': closes a cycle of links {}; a URDF is a tree, and a loop is closed by \"loops\" in a scene \
+         file",
+        .path.join(" -> ")
+    )]
     Cycle { joint: String, path: Vec<String> },
     #[error("has {} root links: {}; join them by joints, so that one is left", .roots.len(), .roots.join(", "))]
     SeveralRoots { roots: Vec<String> },
@@ -88,7 +92,10 @@ pub enum Problem {
     ZeroAxis { joint: String },
     #[error("joint '{joint}': damping must be >= 0, got {value}")]
     NegativeDamping { joint: String, value: f64 },
-    #[error("joint '{joint}': mimics joint '{source_joint}', which is not defined; {}", known("joints", .source_joint, .joints))]
+    #[error(
+        "joint '{joint}': mimics joint '{source_joint}', which is not defined; {}",
+        known("joints", .source_joint, .joints)
+    )]
     UnknownMimic { joint: String, source_joint: String, joints: Vec<String> },
     #[error("joint '{joint}': mimics itself; name another joint")]
     MimicsItself { joint: String },
@@ -99,21 +106,22 @@ pub enum Problem {
     )]
     InertiaWithoutMass { link: String },
     #[error(
-        "link '{link}': inertia has the negative principal moment {moment:.6e} kg m^2 (the others: {}); correct ixx, ixy, \
-         ixz, iyy, iyz, izz",
+        "link '{link}': inertia has the negative principal moment {moment:.6e} kg m^2 (the others: {}); correct ixx, \
+         ixy, ixz, iyy, iyz, izz",
         .others.map(|m| format!("{m:.6e}")).join(", ")
     )]
     NegativeMoment { link: String, moment: f64, others: [f64; 2] },
     #[error("link '{link}': density needs the size of its collision {shape}, and {what} must be > 0 m, got {value}")]
     ShapeSize { link: String, shape: &'static str, what: &'static str, value: f64 },
     #[error(
-        "link '{link}': density needs collision mesh '{mesh}', which is not found at {}; put it there, or give the link \
-         an <inertial>",
+        "link '{link}': density needs collision mesh '{mesh}', which is not found at {}; put it there, or give the \
+         link an <inertial>",
         .tried.join(" or ")
     )]
     MeshMissing { link: String, mesh: String, tried: Vec<String> },
     #[error(
-        "link '{link}': density needs collision mesh '{mesh}', which cannot be used: {detail}; give the link an <inertial>"
+        "link '{link}': density needs collision mesh '{mesh}', which cannot be used: {detail}; give the link an \
+         <inertial>"
     )]
     MeshUnusable { link: String, mesh: String, detail: String },
     #[error("cannot be read as URDF: {detail}")]

@@ -297,9 +297,11 @@ mod tests {
               <limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>
               <dynamics damping="0.5" friction="0.2" spring_reference="1"/>
               <safety_controller k_velocity="3"/><calibration rising="0"/></joint>
-            <joint name="k" type="fixed"><parent link="b"/><child link="c"/><dynamics damping="0.5" friction="0"/></joint>
+            <joint name="k" type="fixed"><parent link="b"/><child link="c"/>
+              <dynamics damping="0.5" friction="0"/></joint>
             <link name="c"/>
-            <joint name="l" type="continuous"><parent link="c"/><child link="d"/><mimic joint="j" multiplier="2"/></joint>
+            <joint name="l" type="continuous"><parent link="c"/><child link="d"/>
+              <mimic joint="j" multiplier="2"/></joint>
             <link name="d"/>
             <transmission name="t"/><gazebo reference="a"/></robot>"#;
         let model = read(text, None);

@@ -7,8 +7,9 @@
 //! beta = (omega x (omega x mc) - m g ,  omega x J omega - mc x g) ,
 //! ```
 //!
-//! and is carried along with its parent's acceleration plus `gamma`, what the motion at constant joint velocities gives.
-//! One sweep places the links, one eliminates the joints from the leaves to the root, one finds the accelerations.
+//! and is carried along with its parent's acceleration plus `gamma`, what the motion at constant joint velocities
+//! gives. One sweep places the links, one eliminates the joints from the leaves to the root, one finds the
+//! accelerations.
 
 use crate::reduced::elimination::Elimination;
 use crate::reduced::inertia::Inertia;

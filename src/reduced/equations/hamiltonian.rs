@@ -1,17 +1,18 @@
 //! Hamilton's equations in joint coordinates, O(n), in world axes.
 //!
-//! Canonical coordinates of the joints are their positions: an angle or length, x, y and angle of a planar joint in the axes
-//! of the joint frame in the parent, and a quaternion `q` in R^4 for a ball joint, after the position for a free one. The
-//! momentum `p` of a quaternion enters by the angular momentum in link axes `m = 1/2 vec(q^* p)` alone, and the attitude by
-//! `q / |q|` alone, so the Hamiltonian on R^4 x R^4 leaves `|q|^2` and `q . p` invariant. Both are quadratic: a Gauss method
-//! keeps them exactly, and what it does on `|q| = 1`, `q . p = 0` is a symplectic method on the cotangent bundle of the
-//! rotations (Betsch and Siebert 2009 for the equations; Hairer, Lubich and Wanner 2006, theorem IV.2.1 for the invariants).
-//! Collocation of the accelerations `a(q, v)` is not symplectic where the mass matrix depends on `q`, nor is one in a
-//! chart of rotations that is laid anew at every step, which depends on the state.
+//! Canonical coordinates of the joints are their positions: an angle or length, x, y and angle of a planar joint in the
+//! axes of the joint frame in the parent, and a quaternion `q` in R^4 for a ball joint, after the position for a free
+//! one. The momentum `p` of a quaternion enters by the angular momentum in link axes `m = 1/2 vec(q^* p)` alone, and
+//! the attitude by `q / |q|` alone, so the Hamiltonian on R^4 x R^4 leaves `|q|^2` and `q . p` invariant. Both are
+//! quadratic: a Gauss method keeps them exactly, and what it does on `|q| = 1`, `q . p = 0` is a symplectic method on
+//! the cotangent bundle of the rotations (Betsch and Siebert 2009 for the equations; Hairer, Lubich and Wanner 2006,
+//! theorem IV.2.1 for the invariants). Collocation of the accelerations `a(q, v)` is not symplectic where the mass
+//! matrix depends on `q`, nor is one in a chart of rotations that is laid anew at every step, which depends on the
+//! state.
 //!
-//! With the velocities `u` in link axes, the momentum `P`, `L` of the links beyond a joint about its joint point, moving with
-//! `v` and turning with `omega`, the moment `N` and force `F` of gravity and of springs between points on them, and the effort
-//! `f(t)` of drives, the equations are
+//! With the velocities `u` in link axes, the momentum `P`, `L` of the links beyond a joint about its joint point,
+//! moving with `v` and turning with `omega`, the moment `N` and force `F` of gravity and of springs between points on
+//! them, and the effort `f(t)` of drives, the equations are
 //!
 //! ```text
 //! m = S^T (P, L) = H(q) u
@@ -116,9 +117,9 @@ impl Point {
         }
     }
 
-    /// Momentum `m = H(q) u` and force of every joint at times in s, both along its velocities: what `pdot` has beside the turning of a
-    /// quaternion. Lengths of planar and free joints have their force in the axes of the joint frame in the parent. The links
-    /// have been placed at `q`.
+    /// Momentum `m = H(q) u` and force of every joint at times in s, both along its velocities: what `pdot` has beside
+    /// the turning of a quaternion. Lengths of planar and free joints have their force in the axes of the joint frame
+    /// in the parent. The links have been placed at `q`.
     pub(in crate::reduced) fn evaluate(
         &mut self,
         model: &Model,
@@ -198,8 +199,8 @@ impl Point {
         }
     }
 
-    /// Factorises the mass matrix at the positions that the links were placed at last. `None` where a joint can move without moving
-    /// any mass.
+    /// Factorises the mass matrix at the positions that the links were placed at last. `None` where a joint can move
+    /// without moving any mass.
     pub(in crate::reduced) fn factorise(&mut self, model: &Model) -> Option<()> {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.frames[i].axes;

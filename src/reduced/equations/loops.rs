@@ -7,17 +7,17 @@
 //! u = v_C - v_P - omega_P x (x_C - x_P) ,   w = R_P^T (omega_C - omega_P) ,
 //! ```
 //!
-//! so that `J v` is exactly the rate of `phi`. What holds them, `J^T lambda`, is the least that does (Gauss's principle):
-//! with the Cholesky factor `L` of the mass matrix, a change `x` of velocities, accelerations or positions such that
-//! `J x = r` and `x . H x` is least is
+//! so that `J v` is exactly the rate of `phi`. What holds them, `J^T lambda`, is the least that does (Gauss's
+//! principle): with the Cholesky factor `L` of the mass matrix, a change `x` of velocities, accelerations or positions
+//! such that `J x = r` and `x . H x` is least is
 //!
 //! ```text
 //! x = L^-T G^+ r ,   G = J L^-T ,                                                                         (1)
 //! ```
 //!
-//! with the pseudo-inverse by singular values. Redundant rows are the rule: `G^+` keeps as many singular values as the rows
-//! have rank where the system starts, the largest ones. Off the manifold, where the stages of an explicit method are, the
-//! rows of an overconstrained linkage contradict each other, and its rank would be higher.
+//! with the pseudo-inverse by singular values. Redundant rows are the rule: `G^+` keeps as many singular values as the
+//! rows have rank where the system starts, the largest ones. Off the manifold, where the stages of an explicit method
+//! are, the rows of an overconstrained linkage contradict each other, and its rank would be higher.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
 
@@ -224,9 +224,9 @@ impl Loops {
     }
 }
 
-/// `a^+ b` with the `rank` largest singular values of `a`, by one-sided Jacobi rotations (Hestenes 1958): `a V = U Sigma` with
-/// orthogonal columns. It finds the directions to roundoff however deficient the rank is, where methods by bidiagonal forms
-/// leave noise that an error estimate near roundoff would take for the motion.
+/// `a^+ b` with the `rank` largest singular values of `a`, by one-sided Jacobi rotations (Hestenes 1958):
+/// `a V = U Sigma` with orthogonal columns. It finds the directions to roundoff however deficient the rank is, where
+/// methods by bidiagonal forms leave noise that an error estimate near roundoff would take for the motion.
 fn pseudo_inverse(mut a: DMatrix<f64>, rank: usize, b: &DVector<f64>) -> Option<DVector<f64>> {
     let n = a.ncols();
     let mut v = DMatrix::identity(n, n);

@@ -1,5 +1,5 @@
-//! Mass matrix by composite rigid bodies and bias force by recursive Newton-Euler, in link axes (Featherstone, Rigid Body
-//! Dynamics Algorithms, 2008, sections 5.3 and 6.2).
+//! Mass matrix by composite rigid bodies and bias force by recursive Newton-Euler, in link axes (Featherstone, Rigid
+//! Body Dynamics Algorithms, 2008, sections 5.3 and 6.2).
 //!
 //! With the motion subspace `S` of each joint, the velocity and acceleration of link `i` are
 //!
@@ -7,7 +7,8 @@
 //! V_i = X V_parent + S v_i ,     A_i = X A_parent + S a_i + V_i x S v_i ,     A_ground = -g ,
 //! ```
 //!
-//! the wrench that it needs is `F_i = I_i A_i + V_i x* I_i V_i`, summed towards the root, and the joint force is `S^T F_i`.
+//! the wrench that it needs is `F_i = I_i A_i + V_i x* I_i V_i`, summed towards the root, and the joint force is
+//! `S^T F_i`.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -114,9 +115,9 @@ impl Dynamics {
         &self.mass
     }
 
-    /// Accelerations of the joint coordinates under gravity, dampers, springs and drives at a time in s: `H a = tau - b`.
-    /// Loops and mimic joints add the least `J^T lambda` that holds them. `None` where the mass matrix is not positive definite
-    /// or not a number, or a loop where its path may fork.
+    /// Accelerations of the joint coordinates under gravity, dampers, springs and drives at a time in s:
+    /// `H a = tau - b`. Loops and mimic joints add the least `J^T lambda` that holds them. `None` where the mass matrix
+    /// is not positive definite or not a number, or a loop where its path may fork.
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
         self.place(q);
         self.newton_euler(v, None);
@@ -142,10 +143,10 @@ impl Dynamics {
         Some(())
     }
 
-    /// Takes positions and velocities back to `phi(q) = 0`, `J v = 0`, by one Gauss-Newton step of the positions: what is
-    /// taken back is of the size of a step's error, and its square is below roundoff. Both changes are the least in the
-    /// metric of the mass matrix. Returns the loop that stays farthest open, and by how much (m or rad); `None` where
-    /// [`accelerations`](Self::accelerations) has none.
+    /// Takes positions and velocities back to `phi(q) = 0`, `J v = 0`, by one Gauss-Newton step of the positions: what
+    /// is taken back is of the size of a step's error, and its square is below roundoff. Both changes are the least in
+    /// the metric of the mass matrix. Returns the loop that stays farthest open, and by how much (m or rad); `None`
+    /// where [`accelerations`](Self::accelerations) has none.
     pub fn project(&mut self, q: &mut [f64], v: &mut [f64]) -> Option<(String, f64)> {
         if self.loops.is_none() {
             return Some((String::new(), 0.0));

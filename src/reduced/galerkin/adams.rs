@@ -1,13 +1,14 @@
 //! Predictions of the stages of a collocation step by explicit Adams methods on its nodes.
 //!
-//! With the rates `f_k` at the `m` nodes `t_k` before a stage, on both sides of the start of the step at time 0, and the
-//! polynomials `l_k` of degree `m - 1` that are 1 at one of these nodes and 0 at the others,
+//! With the rates `f_k` at the `m` nodes `t_k` before a stage, on both sides of the start of the step at time 0, and
+//! the polynomials `l_k` of degree `m - 1` that are 1 at one of these nodes and 0 at the others,
 //!
 //! ```text
 //! y(c_i h) = y0 + sum_k f_k h int_0^c_i l_k(t) dt
 //! ```
 //!
-//! (Adams-Bashforth on the nodes of the collocation; Hairer, Norsett and Wanner 1993, section III.5, for unequal steps).
+//! (Adams-Bashforth on the nodes of the collocation; Hairer, Norsett and Wanner 1993, section III.5, for unequal
+//! steps).
 
 use super::gauss::Gauss;
 use crate::reduced::number::real::{LANES, Lanes, Real};

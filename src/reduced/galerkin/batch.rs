@@ -9,8 +9,8 @@ use crate::reduced::equations::hamiltonian::{Kept, Point, along_velocities, mome
 use crate::reduced::model::Model;
 use crate::reduced::number::real::{LANES, Lanes, Real};
 
-/// As many stages as there are lanes: positions, momenta and velocities, and what the equations say there. Where the stages
-/// run out, the last one fills the rest.
+/// As many stages as there are lanes: positions, momenta and velocities, and what the equations say there. Where the
+/// stages run out, the last one fills the rest.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
     pub(super) point: Point,

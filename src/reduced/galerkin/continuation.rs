@@ -1,8 +1,8 @@
 //! Where the rounds do not converge: the stages of the whole step by continuation from those of a part of it.
 //!
 //! The unknowns are the velocities of all stages; their positions and momenta follow from equations (1) and (2) of
-//! [`super`], and what (3) lacks is taken away by Newton's method. Its linear systems are solved by GMRES, with differences
-//! in the place of derivatives, preconditioned by the mass matrices of the stages.
+//! [`super`], and what (3) lacks is taken away by Newton's method. Its linear systems are solved by GMRES, with
+//! differences in the place of derivatives, preconditioned by the mass matrices of the stages.
 
 use super::batch::{Batch, everywhere};
 use super::integrator::{Galerkin, NEGLIGIBLE, ROUNDOFF};
@@ -87,7 +87,8 @@ impl Galerkin {
         }
     }
 
-    /// Newton's method from `newton.u`, until corrections are small enough or roundoff. `None` where they do not shrink.
+    /// Newton's method from `newton.u`, until corrections are small enough or roundoff. `None` where they do not
+    /// shrink.
     fn newton_steps(&mut self, enough: f64) -> Option<()> {
         let scale = self.over_scale.sqrt();
         let mut last = f64::INFINITY;
@@ -133,7 +134,8 @@ impl Galerkin {
         None
     }
 
-    /// Positions, rates and momenta of the stages that follow from `newton.u`, moved by a size along the last direction.
+    /// Positions, rates and momenta of the stages that follow from `newton.u`, moved by a size along the last
+    /// direction.
     fn settle(&mut self, size: Option<f64>) {
         // An angle settles at once, lengths in the axes of a planar joint after it.
         let rounds = if self.model.positions > self.model.velocities { SETTLING } else { 2 };

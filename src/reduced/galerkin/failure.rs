@@ -3,8 +3,8 @@
 /// Why a step could not be taken; the integrator stays where it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The rounds did not reach roundoff, nor did Newton's method; the last correction of the rounds in units of the velocities
-    /// that hold the scene's energy.
+    /// The rounds did not reach roundoff, nor did Newton's method; the last correction of the rounds in units of the
+    /// velocities that hold the scene's energy.
     NotConverged { rounds: usize, correction: f64 },
     /// After these rounds the stages were no numbers any more, and Newton's method found none either.
     RanAway { rounds: usize },

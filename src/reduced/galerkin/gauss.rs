@@ -1,9 +1,10 @@
 //! Gauss-Legendre collocation in a form that roundoff leaves symplectic.
 //!
-//! With the nodes `c`, weights `b` and the Runge-Kutta matrix `a` write `a_ij = mu_ij b_j`. A Runge-Kutta method is symplectic
-//! where `b_i a_ij + b_j a_ji = b_i b_j` (Sanz-Serna 1988), that is `mu_ij + mu_ji = 1`. Here that holds exactly in floating
-//! point, so that the rounding of the coefficients perturbs the method within the symplectic ones and gives no drift (Hairer,
-//! McLachlan and Razakarivony 2008; the form with `mu` is that of Antonana, Makazaga and Murua 2017).
+//! With the nodes `c`, weights `b` and the Runge-Kutta matrix `a` write `a_ij = mu_ij b_j`. A Runge-Kutta method is
+//! symplectic where `b_i a_ij + b_j a_ji = b_i b_j` (Sanz-Serna 1988), that is `mu_ij + mu_ji = 1`. Here that holds
+//! exactly in floating point, so that the rounding of the coefficients perturbs the method within the symplectic ones
+//! and gives no drift (Hairer, McLachlan and Razakarivony 2008; the form with `mu` is that of Antonana, Makazaga and
+//! Murua 2017).
 
 /// A method with `s` stages, order `2 s`.
 #[derive(Clone, Debug)]

@@ -12,9 +12,9 @@ use crate::reduced::number::compensated::Compensated;
 use crate::reduced::number::real::{LANES, Lanes};
 
 pub(super) const MOST_ROUNDS: usize = 60;
-/// Corrections of the velocities, in units of those that hold the scene's energy, that no longer count: a third of the roundoff
-/// in a round. Over 2000 s of two spatial links (4 to 8 stages, 10 and 20 ms) the energy errors by 1.1e-13 to 8.2e-13, with a
-/// tenth of it by 3.0e-13 to 6.2e-13.
+/// Corrections of the velocities, in units of those that hold the scene's energy, that no longer count: a third of the
+/// roundoff in a round. Over 2000 s of two spatial links (4 to 8 stages, 10 and 20 ms) the energy errors by 1.1e-13 to
+/// 8.2e-13, with a tenth of it by 3.0e-13 to 6.2e-13.
 pub(super) const NEGLIGIBLE: f64 = 3e-16;
 /// Corrections that are larger show how fast the rounds converge; smaller ones have roundoff in them.
 pub(super) const CLEAN: f64 = 3e-14;
@@ -161,8 +161,8 @@ impl Galerkin {
         Err(Failure::NotConverged { rounds: MOST_ROUNDS, correction: last })
     }
 
-    /// The stages one batch after the other, each from the rates at the nodes before it, with the mass matrix factorised
-    /// there.
+    /// The stages one batch after the other, each from the rates at the nodes before it, with the mass matrix
+    /// factorised there.
     fn predict(&mut self) -> Result<(), Failure> {
         for batch in &mut self.batches {
             let nodes = &self.gauss.nodes;
@@ -184,9 +184,9 @@ impl Galerkin {
         Ok(())
     }
 
-    /// One round: (2), then (3) for the velocities, then (1) and the rates. Returns the largest correction.
-    /// All stages take the rates of the round before: each from those of this round converges slower, 13.7 rounds a step
-    /// against 8.3 on five links with 8 stages at 40 ms.
+    /// One round: (2), then (3) for the velocities, then (1) and the rates. Returns the largest correction. All stages
+    /// take the rates of the round before: each from those of this round converges slower, 13.7 rounds a step against
+    /// 8.3 on five links with 8 stages at 40 ms.
     fn correct(&mut self) -> f64 {
         for batch in &mut self.batches {
             self.p_rates.sum(self.p_rates.now(), &batch.mu, &self.p.value, &mut batch.p);

@@ -1,7 +1,7 @@
 //! Solution of a linear system that is known by its action alone: GMRES (Saad and Schultz 1986).
 //!
-//! The matrix acts on velocities, and sizes are measured by the energy `1/2 u . m` of velocities `u` with the momenta `m`.
-//! The momenta of each direction are kept beside it, so that a product of two directions needs no mass matrix.
+//! The matrix acts on velocities, and sizes are measured by the energy `1/2 u . m` of velocities `u` with the momenta
+//! `m`. The momenta of each direction are kept beside it, so that a product of two directions needs no mass matrix.
 
 /// Directions of the space that is searched.
 const MOST: usize = 24;
@@ -49,8 +49,8 @@ impl Krylov {
         &self.velocities[self.known * self.width..(self.known + 1) * self.width]
     }
 
-    /// Takes in what the matrix makes of the last direction. Returns what the best solution leaves, and whether there is room for
-    /// more.
+    /// Takes in what the matrix makes of the last direction. Returns what the best solution leaves, and whether there
+    /// is room for more.
     pub(super) fn extend(&mut self, velocities: &mut [f64], momenta: &mut [f64]) -> (f64, bool) {
         let (k, n) = (self.known, self.width);
         let mut column = [0.0; MOST];

@@ -12,8 +12,9 @@ use crate::reduced::spatial::Spatial;
 
 /// A kind of joint, with positions `q` and velocities `v` that begin with those of the joint.
 ///
-/// The velocities are the free components of the relative twist against the parent, in the axes of the link frame and in
-/// the order of [`JointKind::free`](crate::mechanics::JointKind::free). `N(q)` maps them to the rates of the positions.
+/// The velocities are the free components of the relative twist against the parent, in the axes of the link frame and
+/// in the order of [`JointKind::free`](crate::mechanics::JointKind::free). `N(q)` maps them to the rates of the
+/// positions.
 pub(in crate::reduced) trait Mobilizer {
     /// Numbers that hold the position.
     const POSITIONS: usize;
@@ -21,7 +22,8 @@ pub(in crate::reduced) trait Mobilizer {
     /// Positions and velocities from the coordinates of the compiled system.
     fn initial(theta: &JointCoordinates, q: &mut [f64], v: &mut [f64]);
 
-    /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions exactly.
+    /// Moves the positions for a time `h` at constant velocities: lengths along the axes at the start, quaternions
+    /// exactly.
     fn advance(q: &mut [f64], v: &[f64], h: f64);
 
     /// Gives a quaternion its unit length back.
@@ -33,8 +35,8 @@ pub(in crate::reduced) trait Mobilizer {
     /// Relative twist (linear, angular) at the origin and in the axes of the link frame, `S v`.
     fn relative_twist(v: &[f64]) -> (na::Vector3<f64>, na::Vector3<f64>);
 
-    /// The link frame from the axes of the joint frame in the parent and the way to its origin, world axes, with sine and
-    /// cosine of an angle from elsewhere.
+    /// The link frame from the axes of the joint frame in the parent and the way to its origin, world axes, with sine
+    /// and cosine of an angle from elsewhere.
     fn link_frame<T: Real>(
         axes: &Matrix3<T>,
         offset: Vector3<T>,
@@ -60,8 +62,9 @@ pub(in crate::reduced) trait Mobilizer {
     /// `m = S^T (P, L)` with the momentum of the links beyond.
     fn momentum<T: Real>(subtree: &Subtree<T>, m: &mut [T]);
 
-    /// Force along the velocities: what `pdot` has beside the turning of a quaternion. That on lengths of planar and free
-    /// joints is in the axes of the joint frame in the parent. `effort` is what acts in the joint along each velocity.
+    /// Force along the velocities: what `pdot` has beside the turning of a quaternion. That on lengths of planar and
+    /// free joints is in the axes of the joint frame in the parent. `effort` is what acts in the joint along each
+    /// velocity.
     fn force<T: Real>(subtree: &Subtree<T>, q: &[T], effort: impl Fn(usize) -> T, force: &mut [T]);
 
     /// `pdot` from that force.

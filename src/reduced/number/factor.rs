@@ -15,8 +15,8 @@ impl<T: Real, const N: usize> Factor<T, N> {
         Factor { l: [[T::zero(); N]; N], over_d: [T::one(); N] }
     }
 
-    /// Of the matrix with the given entries, of which those on and below the diagonal are asked for. `None` where it is not
-    /// positive definite or not a number.
+    /// Of the matrix with the given entries, of which those on and below the diagonal are asked for. `None` where it is
+    /// not positive definite or not a number.
     pub(in crate::reduced) fn new(entry: impl Fn(usize, usize) -> T) -> Option<Factor<T, N>> {
         let mut factor = Factor::identity();
         let mut d = [T::zero(); N];

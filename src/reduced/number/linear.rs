@@ -1,7 +1,8 @@
 //! Vectors and matrices of three, on single numbers or on several side by side.
 //!
-//! nalgebra builds its results in memory that is not initialised; with [`Lanes`](super::real::Lanes) the compiler does not
-//! see through that, and a sum of two vectors waits for stores that straddle its loads. Plain fields stay in registers.
+//! nalgebra builds its results in memory that is not initialised; with [`Lanes`](super::real::Lanes) the compiler does
+//! not see through that, and a sum of two vectors waits for stores that straddle its loads. Plain fields stay in
+//! registers.
 
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
@@ -52,7 +53,11 @@ macro_rules! elementwise {
             type Output = Vector3<T>;
             #[inline(always)]
             fn $apply(self, b: Vector3<T>) -> Vector3<T> {
-                Vector3::new($operator::$apply(self.x, b.x), $operator::$apply(self.y, b.y), $operator::$apply(self.z, b.z))
+                Vector3::new(
+                    $operator::$apply(self.x, b.x),
+                    $operator::$apply(self.y, b.y),
+                    $operator::$apply(self.z, b.z),
+                )
             }
         }
 

@@ -1,8 +1,8 @@
 //! One number or several side by side.
 //!
-//! The stages of a collocation step are independent of each other between two exchanges of their rates. Their equations are
-//! evaluated for [`LANES`] stages at once, in the registers for several numbers that every processor has: each operation is
-//! that on single numbers, so a result does not depend on its neighbours.
+//! The stages of a collocation step are independent of each other between two exchanges of their rates. Their equations
+//! are evaluated for [`LANES`] stages at once, in the registers for several numbers that every processor has: each
+//! operation is that on single numbers, so a result does not depend on its neighbours.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -150,7 +150,12 @@ macro_rules! operators {
     )*};
 }
 
-operators!(Add add AddAssign add_assign, Sub sub SubAssign sub_assign, Mul mul MulAssign mul_assign, Div div DivAssign div_assign);
+operators!(
+    Add add AddAssign add_assign,
+    Sub sub SubAssign sub_assign,
+    Mul mul MulAssign mul_assign,
+    Div div DivAssign div_assign
+);
 
 impl Neg for Lanes {
     type Output = Lanes;

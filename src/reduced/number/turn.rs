@@ -6,8 +6,8 @@
 //! sin angle = sin a + (cos a sin d + sin a (cos d - 1)) ,   cos angle = cos a + (cos a (cos d - 1) - sin a sin d) ,
 //! ```
 //!
-//! where Taylor's polynomials give `sin d` and `cos d - 1` to 4e-19 for `|d|` up to [`NEAR`]: what the brackets add is small,
-//! and the sums are as good as the functions themselves. Angles further away are computed anew and kept.
+//! where Taylor's polynomials give `sin d` and `cos d - 1` to 4e-19 for `|d|` up to [`NEAR`]: what the brackets add is
+//! small, and the sums are as good as the functions themselves. Angles further away are computed anew and kept.
 
 use super::real::{Lanes, Real};
 

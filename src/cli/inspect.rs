@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::CliError;
 use crate::mechanics::System;
-use crate::model::{Base, Ignored, JointKind, Scene};
+use crate::model::{Base, Ignored, Scene};
 
 /// Show what was read from a model or scene, what of it is ignored, and what it needs.
 #[derive(Debug, clap::Args)]
@@ -124,7 +124,7 @@ impl Inspection {
             }
         };
         let floating = initial_base.is_some();
-        let welded_links = model.joints.iter().filter(|j| j.kind == JointKind::Fixed).count();
+        let welded_links = model.joints.iter().filter(|j| j.kind.is_weld()).count();
         let link = |link: &crate::model::Link| LinkRow {
             name: link.name.clone(),
             mass_kg: link.inertial.as_ref().map_or(0.0, |i| i.mass),

@@ -36,6 +36,16 @@ pub enum Part {
     Potential,
 }
 
+impl Part {
+    /// Whether a force acts at the node: it does virtual work with the potential.
+    const fn takes_force(self) -> bool {
+        match self {
+            Part::Lagrangian | Part::Potential => true,
+            Part::Kinetic => false,
+        }
+    }
+}
+
 /// A point at which the Lagrangian is evaluated; the rows have one entry for each `x_k`.
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -127,7 +137,9 @@ impl StencilLagrangian {
                 let hessian = Hessian { qq: -parts.potential_hessian(q), qv: none.clone(), vv: none };
                 (-parts.potential(q), Gradient { q: -parts.potential_gradient(q), v: zero }, hessian)
             }
-            _ => (self.system.lagrangian(q, v), self.system.gradient(q, v), self.system.hessian(q, v)),
+            (Part::Lagrangian, _) | (Part::Kinetic | Part::Potential, None) => {
+                (self.system.lagrangian(q, v), self.system.gradient(q, v), self.system.hessian(q, v))
+            }
         }
     }
 
@@ -143,7 +155,7 @@ impl StencilLagrangian {
             let (q, v) = (self.combine(x, &node.position), self.combine(x, &node.velocity) / h);
             let hw = h * node.weight;
             let (value, first, second) = self.evaluate(node.part, &q, &v);
-            let force = force.filter(|_| node.part != Part::Kinetic);
+            let force = force.filter(|_| node.part.takes_force());
             let applied = force.map(|f| (f.value(&q, &v), f.jacobian(&q, &v)));
             all.value += hw * value;
             for k in 0..points {

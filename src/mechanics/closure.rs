@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use super::joint::Joint;
 use super::joint_kind::JointKind;
-use super::relative::Placed;
+use super::relative::RelativeMotion;
 use super::state::{BodyState, State};
 use crate::model::scene::LoopKind;
 
@@ -40,7 +40,7 @@ impl Closure {
             in_child: self.in_child,
             damping: 0.0,
         };
-        let placed = Placed::new(&joint, &body(self.child), self.parent.map(|p| &state.bodies[p]));
+        let placed = RelativeMotion::new(&joint, &body(self.child), self.parent.map(|p| &state.bodies[p]));
         let pose = match self.joint_kind() {
             Some(kind) => kind.decompose(&placed.relative).1,
             None => position_and_rotation(&placed.relative),

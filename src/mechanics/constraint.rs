@@ -3,7 +3,7 @@
 use super::closure::Closure;
 use super::joint::JointCoordinates;
 use super::parts::Coupling;
-use super::relative::Placed;
+use super::relative::RelativeMotion;
 use super::state::State;
 use super::system::System;
 use crate::numeric::larger;
@@ -21,7 +21,7 @@ pub struct Residual {
 pub fn joint_residual(system: &System, state: &State, body: usize) -> Residual {
     let joint = &system.bodies[body].joint;
     let parent = joint.parent.map(|p| &state.bodies[p]);
-    let (position, velocity) = Placed::new(joint, &state.bodies[body], parent).residual(joint.kind);
+    let (position, velocity) = RelativeMotion::new(joint, &state.bodies[body], parent).residual(joint.kind);
     Residual { position, velocity }
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use super::body::Body;
 pub use super::joint::JointCoordinates;
-use super::relative::Placed;
+use super::relative::RelativeMotion;
 use super::state::{BodyState, State};
 use super::system::System;
 
@@ -43,7 +43,7 @@ pub fn forward_kinematics(bodies: &[Body], coordinates: &[JointCoordinates]) -> 
 pub fn joint_coordinates(system: &System, state: &State, out: &mut [JointCoordinates]) {
     for (i, body) in system.bodies.iter().enumerate() {
         let parent = body.joint.parent.map(|p| &state.bodies[p]);
-        out[i] = Placed::new(&body.joint, &state.bodies[i], parent).coordinates(body.joint.kind);
+        out[i] = RelativeMotion::new(&body.joint, &state.bodies[i], parent).coordinates(body.joint.kind);
     }
 }
 
@@ -66,7 +66,7 @@ impl CoordinateTracker {
     pub fn update(&mut self, system: &System, state: &State, elapsed: f64) {
         for (i, body) in system.bodies.iter().enumerate() {
             let parent = body.joint.parent.map(|p| &state.bodies[p]);
-            let mut now = Placed::new(&body.joint, &state.bodies[i], parent).coordinates(body.joint.kind);
+            let mut now = RelativeMotion::new(&body.joint, &state.bodies[i], parent).coordinates(body.joint.kind);
             if let Some(k) = body.joint.kind.angle_index() {
                 let before = &self.joints[i];
                 let predicted = before.position[k] + 0.5 * elapsed * (before.velocity[k] + now.velocity[k]);

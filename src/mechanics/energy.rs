@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use super::body::Body;
 use super::coordinates::joint_coordinates;
 use super::joint::JointCoordinates;
-use super::joint_kind::JointKind;
 use super::path::path_lengths;
 use super::state::State;
 use super::system::System;
@@ -100,8 +99,8 @@ fn joints_if_sprung(system: &System, state: &State) -> Option<Vec<JointCoordinat
 fn nearest_to_rest(system: &System, mut joints: Vec<JointCoordinates>) -> Vec<JointCoordinates> {
     use std::f64::consts::TAU;
     for spring in &system.parts.joint_springs {
-        if system.bodies[spring.body].joint.kind == JointKind::Revolute {
-            let angle = &mut joints[spring.body].position[0];
+        if let Some(k) = system.bodies[spring.body].joint.kind.angle_index() {
+            let angle = &mut joints[spring.body].position[k];
             *angle += TAU * ((spring.rest - *angle) / TAU).round();
         }
     }

@@ -19,6 +19,17 @@ pub enum JointKind {
     Floating,
 }
 
+/// What a coordinate of a joint measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Coordinate {
+    /// m
+    Length,
+    /// An angle about one axis, rad.
+    Angle,
+    /// Three numbers, rad.
+    RotationVector,
+}
+
 impl JointKind {
     /// Which components of a relative twist (linear x, y, z, angular x, y, z) are free.
     pub const fn free(self) -> [bool; 6] {
@@ -92,12 +103,42 @@ impl JointKind {
         }
     }
 
-    /// Positions of the coordinates that are angles about one axis and so can be unwrapped.
-    pub(super) fn angle_index(self) -> Option<usize> {
+    /// What the coordinates measure, each with the place of its first number.
+    pub(crate) const fn coordinates(self) -> &'static [(usize, Coordinate)] {
+        use Coordinate::{Angle, Length, RotationVector};
         match self {
-            JointKind::Revolute => Some(0),
-            JointKind::Planar => Some(2),
-            JointKind::Prismatic | JointKind::Spherical | JointKind::Floating => None,
+            JointKind::Revolute => &[(0, Angle)],
+            JointKind::Prismatic => &[(0, Length)],
+            JointKind::Planar => &[(0, Length), (1, Length), (2, Angle)],
+            JointKind::Spherical => &[(0, RotationVector)],
+            JointKind::Floating => &[(0, Length), (1, Length), (2, Length), (3, RotationVector)],
+        }
+    }
+
+    /// Place of the coordinate that is an angle about one axis and so can be unwrapped.
+    pub(crate) fn angle_index(self) -> Option<usize> {
+        self.place_of(Coordinate::Angle)
+    }
+
+    /// Place of the first of three numbers that are a rotation vector.
+    pub(crate) fn rotation_vector_index(self) -> Option<usize> {
+        self.place_of(Coordinate::RotationVector)
+    }
+
+    fn place_of(self, wanted: Coordinate) -> Option<usize> {
+        self.coordinates().iter().find(|(_, coordinate)| *coordinate == wanted).map(|(place, _)| *place)
+    }
+
+    /// Whether nothing is held: there is no constraint.
+    pub(crate) fn is_free(self) -> bool {
+        self.degrees_of_freedom() == 6
+    }
+
+    /// Whether the motions have an axis: the joint frame's z axis then lies along that of the model.
+    pub(crate) const fn has_axis(self) -> bool {
+        match self {
+            JointKind::Revolute | JointKind::Prismatic | JointKind::Planar => true,
+            JointKind::Spherical | JointKind::Floating => false,
         }
     }
 }
@@ -121,4 +162,44 @@ fn about_z(q: &UnitQuaternion<f64>) -> (f64, [f64; 2]) {
     let half_sine = sx.hypot(sy);
     let stretch = if half_sine > 0.0 { 2.0 * half_sine.atan2(norm) / half_sine } else { 2.0 };
     (wrapped, [stretch * sx, stretch * sy])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [JointKind; 5] =
+        [JointKind::Revolute, JointKind::Prismatic, JointKind::Planar, JointKind::Spherical, JointKind::Floating];
+
+    #[test]
+    fn free_motions_coordinates_and_their_number_agree() {
+        for kind in ALL {
+            let free = kind.free();
+            let count = |range: std::ops::Range<usize>| range.filter(|&i| free[i]).count();
+            let numbers = |wanted: Coordinate, each: usize| {
+                each * kind.coordinates().iter().filter(|(_, coordinate)| *coordinate == wanted).count()
+            };
+            assert_eq!(count(0..6), kind.degrees_of_freedom(), "{kind:?}");
+            assert_eq!(count(0..3), numbers(Coordinate::Length, 1), "{kind:?}");
+            let turns = numbers(Coordinate::Angle, 1) + numbers(Coordinate::RotationVector, 3);
+            assert_eq!(count(3..6), turns, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn a_pose_is_decomposed_into_the_coordinates_that_it_was_built_from() {
+        for kind in ALL {
+            let mut theta = [0.0; 6];
+            theta[..kind.degrees_of_freedom()]
+                .copy_from_slice(&[0.3, -0.4, 0.5, 0.2, -0.1, 0.6][..kind.degrees_of_freedom()]);
+            let (found, locked) = kind.decompose(&kind.transform(&theta));
+            for k in 0..6 {
+                // measured 1.1e-16
+                assert!(
+                    (found[k] - theta[k]).abs() <= 4e-16 && locked[k].abs() <= 4e-16,
+                    "{kind:?} {found:?} {locked:?}"
+                );
+            }
+        }
+    }
 }

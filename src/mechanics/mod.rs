@@ -24,6 +24,7 @@ pub use body::Body;
 pub use closure::Closure;
 pub use compile::CompileError;
 pub use joint::Joint;
+pub(crate) use joint_kind::Coordinate;
 pub use joint_kind::JointKind;
 pub use mobility::Mobility;
 pub use parts::{Anchor, Coupling, Drive, JointSpring, Part, Parts, PointSpring};

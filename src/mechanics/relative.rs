@@ -7,16 +7,16 @@ use super::joint_kind::JointKind;
 use super::state::BodyState;
 use crate::numeric::larger;
 
-/// A joint between the state of its child and the state of its parent.
-pub(super) struct Placed {
+/// Pose and twist of a child against its parent, at the joint between them.
+pub(super) struct RelativeMotion {
     /// Pose of the child's joint frame in the parent's joint frame.
     pub relative: Isometry3<f64>,
     /// Relative twist at the origin of the child's joint frame, axes of the parent's joint frame.
     pub twist: (Vector3<f64>, Vector3<f64>),
 }
 
-impl Placed {
-    pub(super) fn new(joint: &Joint, child: &BodyState, parent: Option<&BodyState>) -> Placed {
+impl RelativeMotion {
+    pub(super) fn new(joint: &Joint, child: &BodyState, parent: Option<&BodyState>) -> RelativeMotion {
         let child_arm = child.attitude * joint.in_child.translation.vector;
         let child_frame = child.attitude * joint.in_child.rotation;
         // Positions first, so that two bodies far from the origin subtract without loss.
@@ -39,7 +39,7 @@ impl Placed {
         let to_joint = parent_frame.inverse();
         let linear = child.velocity + child.angular_velocity.cross(&child_arm) - parent_twist.0;
         let angular = child.angular_velocity - parent_twist.1;
-        Placed {
+        RelativeMotion {
             relative: Isometry3::from_parts((to_joint * offset).into(), to_joint * child_frame),
             twist: (to_joint * linear, to_joint * angular),
         }

@@ -34,21 +34,57 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// The values of `<joint type="...">`.
-    pub const NAMES: [&str; 7] = ["fixed", "revolute", "continuous", "prismatic", "planar", "spherical", "floating"];
+    /// All of them, in the order in which messages list them.
+    pub const ALL: [JointKind; 7] = [
+        JointKind::Fixed,
+        JointKind::Revolute,
+        JointKind::Continuous,
+        JointKind::Prismatic,
+        JointKind::Planar,
+        JointKind::Spherical,
+        JointKind::Floating,
+    ];
 
     /// The value of `<joint type="...">`.
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
+    pub const fn name(self) -> &'static str {
+        match self {
+            JointKind::Fixed => "fixed",
+            JointKind::Revolute => "revolute",
+            JointKind::Continuous => "continuous",
+            JointKind::Prismatic => "prismatic",
+            JointKind::Planar => "planar",
+            JointKind::Spherical => "spherical",
+            JointKind::Floating => "floating",
+        }
+    }
+
+    /// What an engine must have to run a model with such a joint.
+    pub(super) const fn need(self) -> &'static str {
+        match self {
+            JointKind::Fixed => "welded links",
+            JointKind::Revolute | JointKind::Continuous => "revolute joints",
+            JointKind::Prismatic => "prismatic joints",
+            JointKind::Planar => "planar joints",
+            JointKind::Spherical => "ball joints",
+            JointKind::Floating => "floating joints",
+        }
     }
 
     /// True where the axis has a meaning.
-    pub fn has_axis(self) -> bool {
-        matches!(self, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Planar)
+    pub const fn has_axis(self) -> bool {
+        match self {
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Planar => true,
+            JointKind::Fixed | JointKind::Spherical | JointKind::Floating => false,
+        }
+    }
+
+    /// True where the two links are one body.
+    pub const fn is_weld(self) -> bool {
+        self.degrees_of_freedom() == 0
     }
 
     /// Number of coordinates, and of velocities.
-    pub fn degrees_of_freedom(self) -> usize {
+    pub const fn degrees_of_freedom(self) -> usize {
         match self {
             JointKind::Fixed => 0,
             JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => 1,

@@ -39,13 +39,13 @@ pub struct Link {
 impl Link {
     /// What springs and drives exert in a joint of one coordinate `q` at a time in s.
     #[inline(always)]
-    pub(super) fn held(&self, time: f64, q: f64) -> f64 {
-        self.spring_effort - self.stiffness * q + self.driven(time)
+    pub(super) fn joint_effort(&self, time: f64, q: f64) -> f64 {
+        self.spring_effort - self.stiffness * q + self.drive_effort(time)
     }
 
     /// What drives exert in a joint of one coordinate at a time in s.
     #[inline(always)]
-    pub(super) fn driven(&self, time: f64) -> f64 {
+    pub(super) fn drive_effort(&self, time: f64) -> f64 {
         self.drives.iter().map(|drive| drive.at(time)).sum()
     }
 }

@@ -106,7 +106,7 @@ impl Model {
             *out = -link.damping * v;
         }
         if link.kind.degrees_of_freedom() == 1 {
-            out[0] += link.held(time, q[link.position]);
+            out[0] += link.joint_effort(time, q[link.position]);
         }
     }
 

@@ -34,15 +34,15 @@ pub struct Spring {
 
 /// A link in world axes: its axes, its joint point and its twist there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen<T: Real> {
+pub(super) struct LinkMotion<T: Real> {
     pub r: Matrix3<T>,
     pub origin: Vector3<T>,
     pub twist: Spatial<T>,
 }
 
-impl<T: Real> Seen<T> {
-    fn ground() -> Seen<T> {
-        Seen { r: Matrix3::identity(), origin: Vector3::zeros(), twist: Spatial::zero() }
+impl<T: Real> LinkMotion<T> {
+    fn ground() -> LinkMotion<T> {
+        LinkMotion { r: Matrix3::identity(), origin: Vector3::zeros(), twist: Spatial::zero() }
     }
 }
 
@@ -73,9 +73,12 @@ impl Spring {
     }
 
     /// The wrenches on the links at its ends, about their joint points.
-    pub(super) fn wrenches<T: Real>(&self, seen: impl Fn(usize) -> Seen<T>) -> [(Option<usize>, Spatial<T>); 2] {
+    pub(super) fn wrenches<T: Real>(
+        &self,
+        motion: impl Fn(usize) -> LinkMotion<T>,
+    ) -> [(Option<usize>, Spatial<T>); 2] {
         let place = |end: &End| {
-            let link = end.link.map_or(Seen::ground(), &seen);
+            let link = end.link.map_or(LinkMotion::ground(), &motion);
             let arm = link.r.times(&Vector3::of(&end.point));
             (arm, link.origin + arm, link.twist.twist_at(&arm).lin)
         };

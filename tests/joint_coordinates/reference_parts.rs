@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 use rattlebench::engines::reference::{distance, trajectory};
 use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::{Anchor, Drive, PointSpring, State, System};
-use rattlebench::model::scene::{Loop, LoopKind, Place};
+use rattlebench::model::scene::{FixedFrame, Loop, LoopKind};
 use rattlebench::model::{JointKind, Mimic, Scene};
 
 use crate::common::*;
@@ -56,8 +56,8 @@ fn closed_chain(kind: LoopKind, axis: Vector3<f64>) -> System {
         name: "end".into(),
         kind,
         axis: Unit::new_normalize(axis),
-        parent: Place { link: Some(3), origin: Isometry3::translation(0.3, 0.0, 0.0) },
-        child: Place { link: None, origin: Isometry3::translation(0.5, 0.0, 0.1) },
+        parent: FixedFrame { link: Some(3), origin: Isometry3::translation(0.3, 0.0, 0.0) },
+        child: FixedFrame { link: None, origin: Isometry3::translation(0.5, 0.0, 0.1) },
     });
     scene.initial[0].velocity = vec![1.0];
     scene.initial[0].velocity_given = true;

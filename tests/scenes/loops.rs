@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry3, Unit, Vector3};
 use rattlebench::mechanics::{State, System, constraint, energy};
-use rattlebench::model::scene::{Loop, LoopKind, Place};
+use rattlebench::model::scene::{FixedFrame, Loop, LoopKind};
 use rattlebench::model::{JointKind, Mimic, Scene};
 use rattlebench::variational::composition::{self, Composition};
 use rattlebench::variational::{Failure, Rattle};
@@ -180,8 +180,8 @@ fn closed_chain(kind: LoopKind, end: [f64; 3]) -> Scene {
         name: "end".into(),
         kind,
         axis: Vector3::y_axis(),
-        parent: Place { link: Some(3), origin: Isometry3::translation(0.3, 0.0, 0.0) },
-        child: Place { link: None, origin: Isometry3::translation(end[0], end[1], end[2]) },
+        parent: FixedFrame { link: Some(3), origin: Isometry3::translation(0.3, 0.0, 0.0) },
+        child: FixedFrame { link: None, origin: Isometry3::translation(end[0], end[1], end[2]) },
     });
     scene
 }

@@ -20,24 +20,6 @@ pub struct PhaseChart<'a> {
     centre: Vec<JointCoordinates>,
 }
 
-/// Index of the first of three coordinates that are a rotation.
-fn rotation_at(kind: JointKind) -> Option<usize> {
-    match kind {
-        JointKind::Spherical => Some(0),
-        JointKind::Floating => Some(3),
-        JointKind::Revolute | JointKind::Prismatic | JointKind::Planar => None,
-    }
-}
-
-/// Index of the coordinate that is an angle about one axis.
-fn angle_at(kind: JointKind) -> Option<usize> {
-    match kind {
-        JointKind::Revolute => Some(0),
-        JointKind::Planar => Some(2),
-        JointKind::Prismatic | JointKind::Spherical | JointKind::Floating => None,
-    }
-}
-
 fn triple(values: &[f64]) -> Vector3<f64> {
     Vector3::new(values[0], values[1], values[2])
 }
@@ -86,7 +68,7 @@ impl<'a> PhaseChart<'a> {
             let d = kind.degrees_of_freedom();
             out.position[..d].copy_from_slice(&theta.as_slice()[first..first + d]);
             out.velocity[..d].copy_from_slice(&rate.as_slice()[first..first + d]);
-            if let Some(k) = rotation_at(kind) {
+            if let Some(k) = kind.rotation_vector_index() {
                 let (s, sdot) = (triple(&out.position[k..]), triple(&out.velocity[k..]));
                 let middle = UnitQuaternion::new(triple(&centre.position[k..]));
                 let rotation = middle * cayley(&s);
@@ -118,12 +100,12 @@ impl<'a> PhaseChart<'a> {
         let mut theta = DVector::zeros(self.dimension());
         for ((kind, first, centre), joint) in self.joints().zip(&joints) {
             let mut position = joint.position;
-            if let Some(k) = rotation_at(kind) {
+            if let Some(k) = kind.rotation_vector_index() {
                 let middle = UnitQuaternion::new(triple(&centre.position[k..]));
                 let relative = middle.inverse() * UnitQuaternion::new(triple(&position[k..]));
                 position[k..k + 3].copy_from_slice((relative.imag() / relative.w).as_slice());
             }
-            if let Some(k) = angle_at(kind) {
+            if let Some(k) = kind.angle_index() {
                 // The branch of the angle that the centre lies in.
                 position[k] -= TAU * ((position[k] - centre.position[k]) / TAU).round();
             }

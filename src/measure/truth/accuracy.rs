@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::trusted::Truth;
 use crate::mechanics::coordinates::{JointCoordinates, joint_coordinates};
-use crate::mechanics::{JointKind, State, System};
+use crate::mechanics::{Coordinate, JointKind, State, System};
 
 /// The errors of a run, largest and root mean square over all samples and all joints or bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,13 +123,12 @@ fn joint_difference(kind: JointKind, a: &JointCoordinates, b: &JointCoordinates)
         let rotation = |p: &[f64; 6]| UnitQuaternion::from_scaled_axis(Vector3::new(p[k], p[k + 1], p[k + 2]));
         rotation(&a.position).angle_to(&rotation(&b.position))
     };
-    match kind {
-        JointKind::Revolute => angle(0),
-        JointKind::Prismatic => length(0),
-        JointKind::Planar => length(0).max(length(1)).max(angle(2)),
-        JointKind::Spherical => turn(0),
-        JointKind::Floating => length(0).max(length(1)).max(length(2)).max(turn(3)),
-    }
+    let difference = |&(k, coordinate): &(usize, Coordinate)| match coordinate {
+        Coordinate::Length => length(k),
+        Coordinate::Angle => angle(k),
+        Coordinate::RotationVector => turn(k),
+    };
+    kind.coordinates().iter().map(difference).reduce(f64::max).unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::model::{JointKind, Model};
+use crate::model::Model;
 
 /// Links that fixed joints hold together. Its frame is that of its link nearest to the root.
 pub(super) struct Assembly {
@@ -24,7 +24,7 @@ pub(super) fn weld(model: &Model) -> Welded {
     let mut places = vec![(0, Isometry3::identity()); model.links.len()];
     let mut assemblies = vec![Assembly { top: 0, joint: None, links: vec![(0, Isometry3::identity())] }];
     for (j, joint) in model.joints.iter().enumerate() {
-        if joint.kind == JointKind::Fixed {
+        if joint.kind.is_weld() {
             let (group, pose) = places[joint.parent];
             places[joint.child] = (group, pose * joint.origin);
             assemblies[group].links.push((joint.child, pose * joint.origin));

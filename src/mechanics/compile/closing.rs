@@ -10,7 +10,6 @@ use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use crate::mechanics::body::Body;
 use crate::mechanics::coordinates::forward_kinematics;
 use crate::mechanics::joint::JointCoordinates;
-use crate::mechanics::joint_kind::JointKind;
 use crate::mechanics::mobility::Mobility;
 use crate::mechanics::parts::Parts;
 
@@ -251,13 +250,10 @@ impl<'a> Closing<'a> {
     /// Changes a coordinate by a small amount, in the sense of its velocity.
     fn turn(&self, theta: &mut [JointCoordinates], column: usize, change: f64) {
         let (i, slot) = self.coordinates[column];
-        let rotation = match self.bodies[i].joint.kind {
-            JointKind::Spherical => 0,
-            JointKind::Floating if slot >= 3 => 3,
-            _ => {
-                theta[i].position[slot] += change;
-                return;
-            }
+        let rotation = self.bodies[i].joint.kind.rotation_vector_index().filter(|first| slot >= *first);
+        let Some(rotation) = rotation else {
+            theta[i].position[slot] += change;
+            return;
         };
         let vector = Vector3::from_column_slice(&theta[i].position[rotation..rotation + 3]);
         let mut by = Vector3::zeros();

@@ -23,11 +23,13 @@ pub(super) fn tree_joint(
         model::JointKind::Prismatic => JointKind::Prismatic,
         model::JointKind::Planar => JointKind::Planar,
         model::JointKind::Spherical => JointKind::Spherical,
+        // A fixed joint has been welded: none is left in the tree.
         model::JointKind::Floating | model::JointKind::Fixed => JointKind::Floating,
     };
-    let align = match kind {
-        JointKind::Spherical | JointKind::Floating => Isometry3::identity(),
-        _ => Isometry3::from_parts(Translation3::identity(), from_z_to(&joint.axis)),
+    let align = if kind.has_axis() {
+        Isometry3::from_parts(Translation3::identity(), from_z_to(&joint.axis))
+    } else {
+        Isometry3::identity()
     };
     let (above, parent_link) = welded.places[joint.parent];
     let (below, child_link) = welded.places[joint.child];
@@ -83,7 +85,7 @@ pub(super) fn check(scene: &Scene, link: &str, joint: &Joint, frame: &Principal)
     if !(least > 0.0) && most > 0.0 {
         return Err(CompileError::NoInertia { scene, link, joint: name, moment: least });
     }
-    if joint.kind == JointKind::Floating && joint.damping > 0.0 {
+    if joint.kind.is_free() && joint.damping > 0.0 {
         return Err(CompileError::FloatingDamping { scene, joint: name, damping: joint.damping });
     }
     Ok(())

@@ -10,8 +10,8 @@ use crate::mechanics::closure::Closure;
 use crate::mechanics::parts::{Anchor, Coupling, Drive, JointSpring, PointSpring};
 use crate::model::{self, Scene};
 
-/// Where links and joints of the model have gone.
-pub(super) struct Places<'a> {
+/// From the links and joints of the model to the bodies that they have become.
+pub(super) struct BodyMap<'a> {
     pub(super) scene: &'a Scene,
     pub(super) welded: &'a Welded,
     pub(super) frames: &'a [Principal],
@@ -19,10 +19,10 @@ pub(super) struct Places<'a> {
     pub(super) ground: usize,
 }
 
-impl Places<'_> {
+impl BodyMap<'_> {
     /// The body that a link is part of, and a pose in the link's frame in that body's frame; for the ground in the
     /// world.
-    fn place(&self, link: Option<usize>, pose: Isometry3<f64>) -> (Option<usize>, Isometry3<f64>) {
+    fn in_body(&self, link: Option<usize>, pose: Isometry3<f64>) -> (Option<usize>, Isometry3<f64>) {
         let Some(link) = link else { return (None, pose) };
         let (assembly, link_pose) = self.welded.places[link];
         match assembly.checked_sub(self.ground) {
@@ -49,8 +49,8 @@ impl Places<'_> {
     pub(super) fn loops(&self) -> Result<Vec<Closure>, CompileError> {
         let closure = |closure: &model::scene::Loop| {
             let align = Isometry3::from_parts(Translation3::identity(), from_z_to(&closure.axis));
-            let (parent, in_parent) = self.place(closure.parent.link, closure.parent.origin * align);
-            let (child, in_child) = self.place(closure.child.link, closure.child.origin * align);
+            let (parent, in_parent) = self.in_body(closure.parent.link, closure.parent.origin * align);
+            let (child, in_child) = self.in_body(closure.child.link, closure.child.origin * align);
             self.between(format!("loop '{}'", closure.name), parent, child)?;
             Ok(Closure { name: closure.name.clone(), kind: closure.kind, parent, child, in_parent, in_child })
         };
@@ -84,7 +84,7 @@ impl Places<'_> {
 
     pub(super) fn point_springs(&self) -> Result<Vec<PointSpring>, CompileError> {
         let anchor = |anchor: &model::scene::Anchor| {
-            let (body, pose) = self.place(anchor.link, Isometry3::from(anchor.point));
+            let (body, pose) = self.in_body(anchor.link, Isometry3::from(anchor.point));
             Anchor { body, point: pose.translation.vector }
         };
         let spring = |(i, spring): (usize, &model::scene::Spring)| match spring {

@@ -46,6 +46,16 @@ pub enum Base {
     Floating { pose: Isometry3<f64>, linear_velocity: Vector3<f64>, angular_velocity: Vector3<f64> },
 }
 
+impl Base {
+    /// True where the root link is a body of its own.
+    pub const fn is_floating(&self) -> bool {
+        match self {
+            Base::Fixed => false,
+            Base::Floating { .. } => true,
+        }
+    }
+}
+
 /// Initial coordinates and velocities of one joint, each as long as the joint has degrees of freedom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointInitial {

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::error::{SceneProblem, not_negative};
 use super::file::{AnchorFile, DriveFile, LoopFile, LoopKindFile, SpringFile};
-use super::parts::{Anchor, Drive, Loop, LoopKind, Place, Spring};
+use super::parts::{Anchor, Drive, FixedFrame, Loop, LoopKind, Spring};
 use crate::model::robot::Model;
 use crate::model::urdf::{WORLD, direction, pose_of};
 
@@ -58,20 +58,19 @@ impl<'a> Names<'a> {
             LoopKindFile::Fixed => LoopKind::Fixed,
             LoopKindFile::Prismatic => LoopKind::Prismatic,
         };
-        let has_axis = matches!(kind, LoopKind::Revolute | LoopKind::Prismatic);
         let axis = match file.axis {
             Some(axis) => direction(&Vector3::from(axis)).ok_or(SceneProblem::ZeroAxis { key: key.to_owned() })?,
-            None if has_axis => {
+            None if kind.has_axis() => {
                 let why = "a revolute or prismatic loop needs its axis in the parent_origin frame";
                 return Err(SceneProblem::MissingKey { key: key.to_owned(), missing: "axis", why });
             }
             None => Vector3::x_axis(),
         };
-        let parent = Place {
+        let parent = FixedFrame {
             link: self.link(&format!("{key}.parent"), &file.parent)?,
             origin: pose_of(file.parent_origin.xyz, file.parent_origin.rpy),
         };
-        let child = Place {
+        let child = FixedFrame {
             link: self.link(&format!("{key}.child"), &file.child)?,
             origin: pose_of(file.child_origin.xyz, file.child_origin.rpy),
         };

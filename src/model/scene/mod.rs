@@ -16,4 +16,4 @@ pub use data::{Base, JointInitial, Scene};
 pub(super) use error::not_negative;
 pub use error::{SceneError, SceneProblem, positive};
 pub use file::SceneFile;
-pub use parts::{Anchor, Drive, Loop, LoopKind, Place, Spring};
+pub use parts::{Anchor, Drive, FixedFrame, Loop, LoopKind, Spring};

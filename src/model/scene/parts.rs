@@ -9,8 +9,8 @@ pub struct Loop {
     pub kind: LoopKind,
     /// In the frame `parent_origin`; x where the kind has no axis.
     pub axis: Unit<Vector3<f64>>,
-    pub parent: Place,
-    pub child: Place,
+    pub parent: FixedFrame,
+    pub child: FixedFrame,
 }
 
 /// What a loop joint leaves free.
@@ -22,9 +22,32 @@ pub enum LoopKind {
     Prismatic,
 }
 
+impl LoopKind {
+    pub(super) const ALL: [LoopKind; 4] =
+        [LoopKind::Revolute, LoopKind::Spherical, LoopKind::Fixed, LoopKind::Prismatic];
+
+    /// True where the axis has a meaning.
+    pub(super) const fn has_axis(self) -> bool {
+        match self {
+            LoopKind::Revolute | LoopKind::Prismatic => true,
+            LoopKind::Spherical | LoopKind::Fixed => false,
+        }
+    }
+
+    /// What an engine must have to run a scene with such a loop.
+    pub(super) const fn need(self) -> &'static str {
+        match self {
+            LoopKind::Revolute => "revolute loops",
+            LoopKind::Spherical => "ball loops",
+            LoopKind::Fixed => "fixed loops",
+            LoopKind::Prismatic => "prismatic loops",
+        }
+    }
+}
+
 /// A frame fixed in a link.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct FixedFrame {
     /// Index in [`Model::links`](crate::model::Model::links); `None` is the ground.
     pub link: Option<usize>,
     /// Pose in the link's frame.
@@ -40,6 +63,19 @@ pub enum Spring {
     /// Force `stiffness (distance - rest_length) + damping d(distance)/dt` that pulls two points together. N/m, N s/m,
     /// m.
     Points { from: Anchor, to: Anchor, stiffness: f64, damping: f64, rest_length: f64 },
+}
+
+impl Spring {
+    /// All needs of springs, in the order in which they are listed.
+    pub(super) const NEEDS: [&str; 2] = ["joint springs", "point springs"];
+
+    /// What an engine must have to run a scene with such a spring.
+    pub(super) const fn need(&self) -> &'static str {
+        match self {
+            Spring::Joint { .. } => Spring::NEEDS[0],
+            Spring::Points { .. } => Spring::NEEDS[1],
+        }
+    }
 }
 
 /// A point fixed in a link.

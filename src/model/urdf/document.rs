@@ -180,7 +180,7 @@ impl<'a> Walk<'a> {
         let name = self.name(node)?;
         let element = format!("joint '{name}'");
         let kind = self.required_attribute(node, &element, "type")?;
-        if !JointKind::NAMES.contains(&kind) {
+        if !JointKind::ALL.iter().any(|known| known.name() == kind) {
             let problem = Problem::UnknownJointType { joint: name.to_owned(), value: kind.to_owned() };
             return Err(self.fault(node, problem));
         }

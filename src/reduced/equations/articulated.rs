@@ -20,11 +20,11 @@ use crate::reduced::link_frame::LinkFrame;
 use crate::reduced::model::Model;
 use crate::reduced::number::linear::{Matrix3, Vector3};
 use crate::reduced::spatial::Spatial;
-use crate::reduced::spring::Seen;
+use crate::reduced::spring::LinkMotion;
 
 /// A link in the course of the recursion.
 #[derive(Clone, Debug)]
-struct Node {
+struct LinkState {
     frame: LinkFrame<f64>,
     twist: Spatial<f64>,
     /// Acceleration at constant joint velocities, less what the parent's acceleration gives; then the acceleration.
@@ -39,14 +39,14 @@ struct Node {
 #[derive(Clone, Debug)]
 pub struct Articulated {
     model: Model,
-    nodes: Vec<Node>,
+    states: Vec<LinkState>,
     /// The joint points, m, world, where springs between points need them.
     origins: Vec<Vector3<f64>>,
 }
 
 impl Articulated {
     pub fn new(model: Model) -> Articulated {
-        let node = |link: &Link| Node {
+        let state = |link: &Link| LinkState {
             frame: LinkFrame::ground(),
             twist: Spatial::zero(),
             motion: Spatial::zero(),
@@ -55,7 +55,7 @@ impl Articulated {
             elimination: for_kind!(link.kind, Joint => Joint::elimination()),
         };
         let origins = vec![Vector3::zeros(); if model.springs.is_empty() { 0 } else { model.links.len() }];
-        Articulated { nodes: model.links.iter().map(node).collect(), origins, model }
+        Articulated { states: model.links.iter().map(state).collect(), origins, model }
     }
 
     pub fn model(&self) -> &Model {
@@ -65,32 +65,32 @@ impl Articulated {
     /// Accelerations of the joint coordinates under gravity, dampers, springs and drives at a time in s. `None` where a
     /// joint can move without moving any mass, or the state is not a number.
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], out: &mut [f64]) -> Option<()> {
-        for i in 0..self.nodes.len() {
+        for i in 0..self.states.len() {
             self.place(i, q, v);
         }
         if !self.model.springs.is_empty() {
             self.pull();
         }
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.states.len()).rev() {
             let link = &self.model.links[i];
-            let (before, rest) = self.nodes.split_at_mut(i);
-            let node = &mut rest[0];
+            let (before, rest) = self.states.split_at_mut(i);
+            let state = &mut rest[0];
             let rhs = &mut out[link.velocity..link.velocity + link.kind.degrees_of_freedom()];
             self.model.efforts(link, time, q, v, rhs);
-            let needed = node.needed + node.inertia.times(&node.motion);
-            node.elimination.eliminate(&node.frame.axes, &mut node.inertia)?;
-            let passed = node.elimination.inward(rhs, &needed);
+            let needed = state.needed + state.inertia.times(&state.motion);
+            state.elimination.eliminate(&state.frame.axes, &mut state.inertia)?;
+            let passed = state.elimination.inward(rhs, &needed);
             if let Some(p) = link.parent {
-                before[p].inertia.add_shifted(&node.inertia, &node.frame.offset);
-                before[p].needed += passed.wrench_from(&node.frame.offset);
+                before[p].inertia.add_shifted(&state.inertia, &state.frame.offset);
+                before[p].needed += passed.wrench_from(&state.frame.offset);
             }
         }
         for (i, link) in self.model.links.iter().enumerate() {
-            let above = link.parent.map_or(Spatial::zero(), |p| self.nodes[p].motion);
-            let node = &mut self.nodes[i];
-            let carried = above.twist_at(&node.frame.offset);
+            let above = link.parent.map_or(Spatial::zero(), |p| self.states[p].motion);
+            let state = &mut self.states[i];
+            let carried = above.twist_at(&state.frame.offset);
             // `rhs` already holds what `gamma` needs: only the parent's part remains to be taken off.
-            node.motion += node.elimination.outward(&mut out[link.velocity..], &carried);
+            state.motion += state.elimination.outward(&mut out[link.velocity..], &carried);
         }
         Some(())
     }
@@ -99,14 +99,14 @@ impl Articulated {
     fn pull(&mut self) {
         for (i, link) in self.model.links.iter().enumerate() {
             let above = link.parent.map_or(Vector3::zeros(), |p| self.origins[p]);
-            self.origins[i] = above + self.nodes[i].frame.offset;
+            self.origins[i] = above + self.states[i].frame.offset;
         }
         for spring in &self.model.springs {
-            let (nodes, origins) = (&self.nodes, &self.origins);
-            let seen = |i: usize| Seen { r: nodes[i].frame.axes, origin: origins[i], twist: nodes[i].twist };
-            for (link, wrench) in spring.wrenches(seen) {
+            let (states, origins) = (&self.states, &self.origins);
+            let motion = |i: usize| LinkMotion { r: states[i].frame.axes, origin: origins[i], twist: states[i].twist };
+            for (link, wrench) in spring.wrenches(motion) {
                 if let Some(i) = link {
-                    self.nodes[i].needed += wrench.scaled(-1.0);
+                    self.states[i].needed += wrench.scaled(-1.0);
                 }
             }
         }
@@ -116,7 +116,7 @@ impl Articulated {
     fn place(&mut self, i: usize, q: &[f64], v: &[f64]) {
         let link = &self.model.links[i];
         let (r, above) = match link.parent {
-            Some(p) => (self.nodes[p].frame.axes, self.nodes[p].twist),
+            Some(p) => (self.states[p].frame.axes, self.states[p].twist),
             None => (Matrix3::identity(), Spatial::zero()),
         };
         let frame = JointFrame::of(link).link_frame(link.kind, &r, &q[link.position..], f64::sin_cos);
@@ -127,14 +127,14 @@ impl Articulated {
         let inertia = Inertia::of_body(link.mass, &moment, &Matrix3::of(&link.inertia), &frame.axes);
         let turning = inertia.times(&Spatial::new(Vector3::zeros(), omega)).ang;
         let gravity = Vector3::of(&self.model.gravity);
-        let node = &mut self.nodes[i];
-        node.twist = Spatial::new(above.lin + swept + joint.lin, omega);
-        node.motion =
+        let state = &mut self.states[i];
+        state.twist = Spatial::new(above.lin + swept + joint.lin, omega);
+        state.motion =
             Spatial::new(above.ang.cross(&(swept + joint.lin)) + omega.cross(&joint.lin), above.ang.cross(&joint.ang));
-        node.needed = Spatial::new(
+        state.needed = Spatial::new(
             omega.cross(&omega.cross(&moment)) - gravity * link.mass,
             omega.cross(&turning) - moment.cross(&gravity),
         );
-        (node.frame, node.inertia) = (frame, inertia);
+        (state.frame, state.inertia) = (frame, inertia);
     }
 }

@@ -33,13 +33,13 @@ use crate::reduced::link_frame::LinkFrame;
 use crate::reduced::model::Model;
 use crate::reduced::number::linear::{Matrix3, Vector3};
 use crate::reduced::number::real::{Lanes, Real};
-use crate::reduced::number::turn::Turn;
+use crate::reduced::number::sine::NearbySine;
 use crate::reduced::spatial::Spatial;
-use crate::reduced::spring::Seen;
+use crate::reduced::spring::LinkMotion;
 
 /// What a link keeps in all lanes: spread out once and not at every use.
 #[derive(Clone, Debug)]
-pub(in crate::reduced) struct Kept {
+pub(in crate::reduced) struct LinkConstants {
     joint: JointFrame<Lanes>,
     mass: Lanes,
     mass_beyond: Lanes,
@@ -48,10 +48,10 @@ pub(in crate::reduced) struct Kept {
     damping: Lanes,
 }
 
-impl Kept {
+impl LinkConstants {
     /// For all links of a model.
-    pub(in crate::reduced) fn all(model: &Model) -> Arc<[Kept]> {
-        let kept = |link: &Link| Kept {
+    pub(in crate::reduced) fn all(model: &Model) -> Arc<[LinkConstants]> {
+        let constants = |link: &Link| LinkConstants {
             joint: JointFrame::of(link),
             mass: Lanes::of(link.mass),
             mass_beyond: Lanes::of(link.mass_beyond),
@@ -59,16 +59,16 @@ impl Kept {
             inertia: Matrix3::of(&link.inertia),
             damping: Lanes::of(link.damping),
         };
-        model.links.iter().map(kept).collect()
+        model.links.iter().map(constants).collect()
     }
 }
 
 /// The equations at points of the phase space, as many as there are lanes.
 #[derive(Clone, Debug)]
 pub(in crate::reduced) struct Point {
-    kept: Arc<[Kept]>,
+    constants: Arc<[LinkConstants]>,
     /// Angles of turning joints with their sines.
-    turns: Vec<Turn>,
+    sines: Vec<NearbySine>,
     frames: Vec<LinkFrame<Lanes>>,
     twists: Vec<Spatial<Lanes>>,
     /// Momentum of the links beyond each joint about its joint point.
@@ -86,12 +86,12 @@ pub(in crate::reduced) struct Point {
 }
 
 impl Point {
-    pub(in crate::reduced) fn new(model: &Model, kept: &Arc<[Kept]>) -> Point {
+    pub(in crate::reduced) fn new(model: &Model, constants: &Arc<[LinkConstants]>) -> Point {
         let n = model.links.len();
         let sprung = if model.springs.is_empty() { 0 } else { n };
         Point {
-            kept: kept.clone(),
-            turns: vec![Turn::zero(); n],
+            constants: constants.clone(),
+            sines: vec![NearbySine::zero(); n],
             frames: vec![LinkFrame::ground(); n],
             twists: vec![Spatial::zero(); n],
             momenta: vec![Spatial::zero(); n],
@@ -110,10 +110,10 @@ impl Point {
         for (i, link) in model.links.iter().enumerate() {
             let (above, rest) = self.frames.split_at_mut(i);
             let ground = Matrix3::identity();
-            let turn = &mut self.turns[i];
+            let sine = &mut self.sines[i];
             let parent = link.parent.map_or(&ground, |p| &above[p].axes);
-            let joint = &self.kept[i].joint;
-            rest[0] = joint.link_frame(link.kind, parent, &q[link.position..], |angle| turn.sin_cos(angle));
+            let joint = &self.constants[i].joint;
+            rest[0] = joint.link_frame(link.kind, parent, &q[link.position..], |angle| sine.sin_cos(angle));
         }
     }
 
@@ -129,24 +129,44 @@ impl Point {
         m: &mut [Lanes],
         force: &mut [Lanes],
     ) {
-        let gravity = Vector3::of(&model.gravity);
+        self.own_momenta(model, u);
+        if !model.springs.is_empty() {
+            self.pull(model);
+        }
+        self.sum_towards_root(model, time, q, u, m, force);
+    }
+
+    /// Twists, momenta and first moments of each link by itself.
+    #[inline(always)]
+    fn own_momenta(&mut self, model: &Model, u: &[Lanes]) {
         for (i, link) in model.links.iter().enumerate() {
             let above = link.parent.map_or(Spatial::zero(), |p| self.twists[p]);
             let LinkFrame { axes: r, offset } = &self.frames[i];
             let joint = for_kind!(link.kind, Joint => Joint::twist(r, &u[link.velocity..]));
             let twist = above.twist_at(offset) + joint;
-            let kept = &self.kept[i];
-            let moment = r.times(&kept.first_moment);
-            let turning = r.times(&kept.inertia.times(&r.transpose_times(&twist.ang)));
+            let constants = &self.constants[i];
+            let moment = r.times(&constants.first_moment);
+            let turning = r.times(&constants.inertia.times(&r.transpose_times(&twist.ang)));
             self.momenta[i] =
-                Spatial::new(twist.lin * kept.mass + twist.ang.cross(&moment), turning + moment.cross(&twist.lin));
+                Spatial::new(twist.lin * constants.mass + twist.ang.cross(&moment), turning + moment.cross(&twist.lin));
             (self.twists[i], self.moments[i]) = (twist, moment);
         }
-        if !model.springs.is_empty() {
-            self.pull(model);
-        }
+    }
+
+    /// Sums momenta, first moments and loads towards the root, and takes from the sums what a joint feels.
+    #[inline(always)]
+    fn sum_towards_root(
+        &mut self,
+        model: &Model,
+        time: Lanes,
+        q: &[Lanes],
+        u: &[Lanes],
+        m: &mut [Lanes],
+        force: &mut [Lanes],
+    ) {
+        let gravity = Vector3::of(&model.gravity);
         for (i, link) in model.links.iter().enumerate().rev() {
-            let Kept { damping, mass_beyond, .. } = self.kept[i];
+            let LinkConstants { damping, mass_beyond, .. } = self.constants[i];
             let LinkFrame { axes, offset: d } = &self.frames[i];
             let (moment, load) = (self.moments[i], self.loads.get(i).copied().unwrap_or(Spatial::zero()));
             let subtree = Subtree {
@@ -163,7 +183,7 @@ impl Point {
             };
             let (q, u) = (&q[link.position..], &u[link.velocity..]);
             let effort = |k: usize| match link.kind.degrees_of_freedom() {
-                1 => held(link, time, q[0]) - damping * u[k],
+                1 => joint_effort(link, time, q[0]) - damping * u[k],
                 _ => -(damping * u[k]),
             };
             for_kind!(link.kind, Joint => {
@@ -190,8 +210,9 @@ impl Point {
         }
         self.loads.fill(Spatial::zero());
         for spring in &model.springs {
-            let seen = |i: usize| Seen { r: self.frames[i].axes, origin: self.origins[i], twist: self.twists[i] };
-            for (link, wrench) in spring.wrenches(seen) {
+            let motion =
+                |i: usize| LinkMotion { r: self.frames[i].axes, origin: self.origins[i], twist: self.twists[i] };
+            for (link, wrench) in spring.wrenches(motion) {
                 if let Some(i) = link {
                     self.loads[i] += wrench;
                 }
@@ -205,7 +226,7 @@ impl Point {
         for (i, link) in model.links.iter().enumerate() {
             let r = &self.frames[i].axes;
             self.inertias[i] =
-                Inertia::of_body(link.mass, &r.times(&self.kept[i].first_moment), &self.kept[i].inertia, r);
+                Inertia::of_body(link.mass, &r.times(&self.constants[i].first_moment), &self.constants[i].inertia, r);
             self.offsets[i] = self.frames[i].offset;
         }
         for (i, link) in model.links.iter().enumerate().rev() {
@@ -249,9 +270,9 @@ impl Point {
 
 /// What springs and drives exert in a joint of one coordinate.
 #[inline(always)]
-fn held(link: &Link, time: Lanes, q: Lanes) -> Lanes {
+fn joint_effort(link: &Link, time: Lanes, q: Lanes) -> Lanes {
     let still = Lanes::of(link.spring_effort) - Lanes::of(link.stiffness) * q;
-    if link.drives.is_empty() { still } else { still + time.map(|time| link.driven(time)) }
+    if link.drives.is_empty() { still } else { still + time.map(|time| link.drive_effort(time)) }
 }
 
 /// Momenta along the velocities from the canonical ones.

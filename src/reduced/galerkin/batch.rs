@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::adams::Rates;
 use super::failure::Failure;
 use super::gauss::Gauss;
-use crate::reduced::equations::hamiltonian::{Kept, Point, along_velocities, momentum_rates};
+use crate::reduced::equations::hamiltonian::{LinkConstants, Point, along_velocities, momentum_rates};
 use crate::reduced::model::Model;
 use crate::reduced::number::real::{LANES, Lanes, Real};
 
@@ -34,13 +34,19 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub(super) fn new(model: &Model, kept: &Arc<[Kept]>, gauss: &Gauss, step: f64, first: usize) -> Batch {
+    pub(super) fn new(
+        model: &Model,
+        constants: &Arc<[LinkConstants]>,
+        gauss: &Gauss,
+        step: f64,
+        first: usize,
+    ) -> Batch {
         let (positions, velocities) =
             (|| vec![Lanes::of(0.0); model.positions], || vec![Lanes::of(0.0); model.velocities]);
         let s = gauss.stages();
         let stage = |k: usize| (first + k).min(s - 1);
         Batch {
-            point: Point::new(model, kept),
+            point: Point::new(model, constants),
             first,
             count: LANES.min(s - first),
             h_b: Lanes::from_fn(|k| gauss.weights[stage(k)] * step),

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::gauss::Gauss;
 use super::newton::Newton;
 use crate::mechanics::State;
-use crate::reduced::equations::hamiltonian::{Kept, canonical, momentum_rates};
+use crate::reduced::equations::hamiltonian::{LinkConstants, canonical, momentum_rates};
 use crate::reduced::model::Model;
 use crate::reduced::number::compensated::Compensated;
 use crate::reduced::number::real::{LANES, Lanes};
@@ -55,8 +55,8 @@ impl Galerkin {
     pub fn new(model: Model, stages: usize, step: f64, energy_scale: f64) -> Result<Galerkin, Failure> {
         let gauss = Gauss::new(stages);
         let (q, u) = model.initial();
-        let kept = Kept::all(&model);
-        let mut end = Batch::new(&model, &kept, &gauss, step, 0);
+        let constants = LinkConstants::all(&model);
+        let mut end = Batch::new(&model, &constants, &gauss, step, 0);
         everywhere(&q, &mut end.q);
         everywhere(&u, &mut end.u);
         end.point.place(&model, &end.q);
@@ -67,7 +67,7 @@ impl Galerkin {
         // The first prediction knows the rates at the start alone.
         let (mut q_rates, mut p_rates) = (Rates::new(stages, q.len()), Rates::new(stages, q.len()));
         let mut batches: Vec<Batch> =
-            (0..stages).step_by(LANES).map(|first| Batch::new(&model, &kept, &gauss, step, first)).collect();
+            (0..stages).step_by(LANES).map(|first| Batch::new(&model, &constants, &gauss, step, first)).collect();
         for batch in &mut batches {
             let Batch { q, p, u, force, .. } = &end;
             model.rates(q, u, &mut batch.rate);

@@ -5,4 +5,4 @@ pub(super) mod factor;
 pub(super) mod linear;
 pub(super) mod quaternion;
 pub(super) mod real;
-pub(super) mod turn;
+pub(super) mod sine;

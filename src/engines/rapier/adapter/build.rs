@@ -11,7 +11,7 @@ use super::super::{PRECISION, narrow};
 use super::convert::{pose, vector};
 use super::{Seat, Settings};
 use crate::engines::Unsupported;
-use crate::mechanics::{Body, Joint, JointKind, JointSpring, System};
+use crate::mechanics::{Body, Joint, JointSpring, System};
 
 /// Rapier takes what is below it for zero when it inverts (`INV_EPSILON` of its `utils`).
 const SMALLEST_INVERTED: f64 = 1e-20;
@@ -63,7 +63,7 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
         let whose = format!("of joint '{name}'");
         check_spring(spring.stiffness, spring.damping, substep, !settings.multibody, &whose)?;
         let wound = system.initial_coordinates[i].position[0] - spring.rest;
-        let turns = spring.stiffness > 0.0 && body.joint.kind == JointKind::Revolute && wound.abs() > PI;
+        let turns = spring.stiffness > 0.0 && body.joint.kind.angle_index().is_some() && wound.abs() > PI;
         if turns && !settings.multibody {
             return Err(format!("a spring {whose} wound up by {wound:.3} rad: a motor knows angles modulo a turn"));
         }
@@ -137,7 +137,7 @@ fn insert_joints(
 ) -> Result<(), Unsupported> {
     for (i, (Body { joint, .. }, &child)) in system.bodies.iter().zip(handles).enumerate() {
         let data = generic_joint(joint, &system.joint_spring(i), settings);
-        if joint.kind == JointKind::Floating && joint.damping == 0.0 {
+        if joint.kind.is_free() && joint.damping == 0.0 {
             continue;
         }
         // A ground for each tree, so that two trees are two multibodies.

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::super::rapier::prelude::{PhysicsWorld, RigidBodyHandle};
 use super::Seat;
 use super::convert::{attitude_of, vector, vector_of};
-use crate::mechanics::{Drive, JointKind, System};
+use crate::mechanics::{Drive, System};
 
 /// The drives of one joint.
 pub(super) struct DrivenJoint {
@@ -27,7 +27,7 @@ pub(super) fn driven_joints(system: &System, seats: &[Seat]) -> Vec<DrivenJoint>
             parent: joint.parent.map(|parent| seats[parent].body),
             in_parent: joint.in_parent,
             in_child: joint.in_child.translation.vector,
-            turns: joint.kind == JointKind::Revolute,
+            turns: joint.kind.angle_index().is_some(),
             drives,
         })
     };

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::measure::stability::scan::{FineRun, Length, Scan, seconds};
 use crate::model::assemble::{Assembly, Mount};
-use crate::model::scene::{JointInitial, Loop, LoopKind, Place};
+use crate::model::scene::{FixedFrame, JointInitial, Loop, LoopKind};
 use crate::model::{Inertial, Scene};
 
 /// Methods of the textbook in joint coordinates, with forces at the present state.
@@ -72,12 +72,12 @@ pub(super) fn closure(
     parent: (Option<usize>, Vector3<f64>),
     child: (Option<usize>, Vector3<f64>),
 ) -> Loop {
-    let place = |(link, point): (Option<usize>, Vector3<f64>)| Place {
+    let place = |(link, point): (Option<usize>, Vector3<f64>)| FixedFrame {
         link,
         origin: Isometry3::translation(point.x, point.y, point.z),
     };
     let (parent, child) = (place(parent), place(child));
-    let number = |place: &Place| place.link.map_or("ground".to_string(), |link| link.to_string());
+    let number = |place: &FixedFrame| place.link.map_or("ground".to_string(), |link| link.to_string());
     let name = format!("loop_{}_{}", number(&parent), number(&child));
     Loop { name, kind, axis: Unit::new_unchecked(Vector3::y()), parent, child }
 }

@@ -16,15 +16,15 @@ const NEAR: f64 = 1.0 / 128.0;
 
 /// An angle with its sine and cosine, in rad.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::reduced) struct Turn {
+pub(in crate::reduced) struct NearbySine {
     angle: Lanes,
     sin: Lanes,
     cos: Lanes,
 }
 
-impl Turn {
-    pub(in crate::reduced) fn zero() -> Turn {
-        Turn { angle: Lanes::of(0.0), sin: Lanes::of(0.0), cos: Lanes::of(1.0) }
+impl NearbySine {
+    pub(in crate::reduced) fn zero() -> NearbySine {
+        NearbySine { angle: Lanes::of(0.0), sin: Lanes::of(0.0), cos: Lanes::of(1.0) }
     }
 
     /// Sine and cosine of an angle.
@@ -33,7 +33,7 @@ impl Turn {
         let d = angle - self.angle;
         if !d.numbers().into_iter().all(|d| d.abs() <= NEAR) {
             let (sin, cos) = angle.sin_cos();
-            *self = Turn { angle, sin, cos };
+            *self = NearbySine { angle, sin, cos };
             return (sin, cos);
         }
         let (one, square) = (Lanes::of(1.0), d * d);
@@ -41,7 +41,7 @@ impl Turn {
         let sine = d * (one - square * Lanes::of(1.0 / 6.0) * (one - square * Lanes::of(1.0 / 20.0)));
         let fourth = one - square * Lanes::of(1.0 / 12.0) * (one - square * Lanes::of(1.0 / 30.0));
         let less = square * Lanes::of(-0.5) * fourth;
-        let Turn { sin, cos, .. } = *self;
+        let NearbySine { sin, cos, .. } = *self;
         (sin + (cos * sine + sin * less), cos + (cos * less - sin * sine))
     }
 }
@@ -55,7 +55,7 @@ mod tests {
         let mut worst = 0.0f64;
         for k in 0..1000 {
             let start = [0.37 * f64::from(k), -0.011 * f64::from(k)];
-            let mut turn = Turn::zero();
+            let mut turn = NearbySine::zero();
             turn.sin_cos(Lanes::from_fn(|lane| start[lane]));
             for j in -10..=10 {
                 let angle = start.map(|angle| angle + 0.1 * f64::from(j) * NEAR);
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn angles_far_away_and_no_numbers_are_computed_anew() {
-        let mut turn = Turn::zero();
+        let mut turn = NearbySine::zero();
         for angle in [1.0, f64::NAN, 2.0, 2.0 + 1.01 * NEAR, -700.0] {
             let (sin, cos) = turn.sin_cos(Lanes::of(angle));
             let (s, c) = angle.sin_cos();

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::chain::Motion;
 use super::force::joint::JointForce;
+use super::map::{Map, OwnStep};
 use super::rattle::{Failure, Rattle};
 use super::tree::spatial::{Spatial, Wrench};
 use crate::mechanics::State;
@@ -50,30 +51,6 @@ impl Faulty {
         Faulty { rattle, fault, carried }
     }
 
-    /// Takes one step of size `h` (s).
-    ///
-    /// # Errors
-    /// See [`Failure`].
-    pub fn step(&mut self, h: f64) -> Result<(), Failure> {
-        self.start_from_carried(1.0);
-        if let Err(failure) = self.rattle.drift_onto_constraints(h) {
-            self.start_from_carried(-1.0);
-            return Err(failure);
-        }
-        match self.fault {
-            Fault::WarmBodyImpulses => self.carry(h),
-            Fault::DroppedMultiplier => self.drop_multiplier(),
-            Fault::PlainSums => self.forget(),
-            Fault::LooseTolerance | Fault::DampingSign => {}
-        }
-        self.rattle.kick_onto_constraints(h)
-    }
-
-    /// Writes the present state.
-    pub fn write_state(&self, out: &mut State) {
-        self.rattle.write_state(out);
-    }
-
     /// [`Fault::WarmBodyImpulses`]: starts from what is carried in place of the joints' impulses.
     fn start_from_carried(&mut self, sign: f64) {
         if self.fault != Fault::WarmBodyImpulses {
@@ -115,5 +92,40 @@ impl Faulty {
             body.p.forget();
             body.pi.forget();
         }
+    }
+}
+
+impl Map for Faulty {
+    const STAYS_ON_FAILURE: bool = true;
+
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        self.start_from_carried(1.0);
+        if let Err(failure) = self.rattle.drift_onto_constraints(h) {
+            self.start_from_carried(-1.0);
+            return Err(failure);
+        }
+        match self.fault {
+            Fault::WarmBodyImpulses => self.carry(h),
+            Fault::DroppedMultiplier => self.drop_multiplier(),
+            Fault::PlainSums => self.forget(),
+            Fault::LooseTolerance | Fault::DampingSign => {}
+        }
+        self.rattle.kick_onto_constraints(h)
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.rattle.write_state(out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        None
+    }
+
+    fn before_failure(&self, _h: f64) -> Option<Faulty> {
+        Some(self.clone())
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        None
     }
 }

@@ -12,6 +12,7 @@ mod compensated;
 #[doc(hidden)]
 pub mod fault;
 mod force;
+mod map;
 pub mod method;
 mod predictor;
 pub mod rattle;
@@ -22,6 +23,7 @@ pub use closing::counters::Counters;
 pub use closing::stop::Ending;
 #[doc(hidden)]
 pub use fault::{Fault, Faulty};
+pub use map::{Map, OwnStep};
 pub use method::adaptive::Adaptive;
 pub use method::energy_momentum::EnergyMomentum;
 pub use method::lobatto::Lobatto;

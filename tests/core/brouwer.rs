@@ -51,17 +51,15 @@ fn four_bar(run: usize) -> System {
 /// The error at the solves `n, n/2, n/4, ...`, newest last: the mean over the sixteenth of the run before, in which what the method
 /// itself leaves oscillates.
 fn errors(system: &System, solves: usize, tolerance: f64) -> Result<Vec<(f64, f64)>, Failure> {
-    let weights: Vec<f64> = composition::ORDER_8.weights().map(|w| w * STEP).collect();
-    let steps = solves / weights.len();
+    let stages = composition::ORDER_8.stages();
+    let steps = solves / stages;
     let mut rattle = Rattle::new(system).unwrap().with_unbiased_roundoff().with_tolerance(tolerance);
     let mut state = system.initial.clone();
     let start = energy::energy(system, &state).total();
     let marks: Vec<usize> = (0..6).rev().map(|k| steps >> k).collect();
     let (mut out, mut sum, mut count) = (Vec::new(), 0.0, 0);
     for step in 1..=steps {
-        for weight in &weights {
-            rattle.step(*weight)?;
-        }
+        composition::ORDER_8.step(&mut rattle, STEP)?;
         let mark = marks[out.len()];
         if step > mark - mark / 16 - 1 {
             rattle.write_state(&mut state);
@@ -69,7 +67,7 @@ fn errors(system: &System, solves: usize, tolerance: f64) -> Result<Vec<(f64, f6
             count += 1;
         }
         if step == mark {
-            out.push(((step * weights.len()) as f64, sum / count as f64));
+            out.push(((step * stages) as f64, sum / count as f64));
             (sum, count) = (0.0, 0);
         }
     }
@@ -127,11 +125,10 @@ fn spinning_pendulum(run: usize) -> System {
 fn attitudes_do_not_run_ahead_of_positions() {
     let system = spinning_pendulum(0);
     let arm = system.bodies[0].joint.in_child.translation.vector;
-    let weights: Vec<f64> = composition::ORDER_8.weights().map(|w| w * 8e-3).collect();
     let (mut rattle, mut state) = (Rattle::new(&system).unwrap().with_unbiased_roundoff(), system.initial.clone());
     let (mut ahead, mut count, steps) = (0.0, 0.0, 60_000);
     for step in 0..steps {
-        weights.iter().for_each(|w| rattle.step(*w).unwrap());
+        composition::ORDER_8.step(&mut rattle, 8e-3).unwrap();
         // 100 000 solves until what is taken back balances what runs away.
         if step > steps / 10 {
             rattle.write_state(&mut state);

@@ -17,9 +17,7 @@ fn run(system: &System, composition: &Composition, h: f64, duration: f64) -> Res
     let start = energy::energy(system, &state).total();
     let (mut worst, mut open) = (0.0_f64, 0.0_f64);
     for _ in 0..(duration / h).round() as usize {
-        for weight in composition.weights() {
-            rattle.step(weight * h)?;
-        }
+        composition.step(&mut rattle, h)?;
         rattle.write_state(&mut state);
         let error = (energy::energy(system, &state).total() - start) / system.energy_scale;
         let residual = constraint::residual(system, &state);

@@ -25,9 +25,7 @@ fn run_composed(system: &System, composition: &Composition, h: f64, duration: f6
     let start = energy::energy(system, &state).total();
     let mut figures = Figures { energy: 0.0, position: 0.0, velocity: 0.0 };
     for _ in 0..(duration / h).round() as usize {
-        for weight in composition.weights() {
-            rattle.step(weight * h).unwrap();
-        }
+        composition.step(&mut rattle, h).unwrap();
         rattle.write_state(&mut state);
         let error = (energy::energy(system, &state).total() - start).abs() / system.energy_scale;
         let residual = constraint::residual(system, &state);

@@ -10,9 +10,7 @@ use crate::common::*;
 fn end(system: &System, composition: &Composition, n: usize) -> State {
     let (mut rattle, mut state) = (Rattle::new(system).unwrap(), system.initial.clone());
     for _ in 0..n {
-        for weight in composition.weights() {
-            rattle.step(weight * 5.0 / n as f64).unwrap();
-        }
+        composition.step(&mut rattle, 5.0 / n as f64).unwrap();
     }
     rattle.write_state(&mut state);
     state

@@ -24,9 +24,7 @@ fn run(system: &System, composition: &Composition, h: f64, duration: f64) -> (St
     let start = energy::energy(system, &state).total();
     let (mut error, mut residual) = (0.0_f64, constraint::residual(system, &state));
     for _ in 0..(duration / h).round() as usize {
-        for weight in composition.weights() {
-            rattle.step(weight * h).unwrap();
-        }
+        composition.step(&mut rattle, h).unwrap();
         rattle.write_state(&mut state);
         let here = constraint::residual(system, &state);
         let off = (energy::energy(system, &state).total() - start).abs() / system.energy_scale;
@@ -104,9 +102,7 @@ fn sampled(system: &System, composition: &Composition, n: usize) -> Vec<State> {
     let mut states = vec![system.initial.clone(); 10];
     for state in &mut states {
         for _ in 0..n / 10 {
-            for weight in composition.weights() {
-                rattle.step(weight / n as f64).unwrap();
-            }
+            composition.step(&mut rattle, 1.0 / n as f64).unwrap();
         }
         rattle.write_state(state);
     }

@@ -31,9 +31,7 @@ fn run(system: &System, composition: &Composition, h: f64, steps: usize, mut see
     let mut rattle = Rattle::new(system).unwrap();
     let mut state = system.initial.clone();
     for _ in 0..steps {
-        for weight in composition.weights() {
-            rattle.step(weight * h).unwrap();
-        }
+        composition.step(&mut rattle, h).unwrap();
         rattle.write_state(&mut state);
         assert!(state.is_finite());
         see(&state);

@@ -20,10 +20,11 @@
 //! bounded, where a step chosen from the present state alone lets it drift. The map is not symplectic. `U` sees bodies that
 //! turn; the oscillation of a stiff spring and the frequency of a drive are not resolved by it.
 //!
-//! Output at a given time is made by a step to it from a copy of the last node, so that the sequence of nodes does not depend
-//! on when output is asked for.
+//! Output at a given time is made by a step to it from a copy of the last node.
 
+use super::nodes::Nodes;
 use crate::mechanics::{State, System};
+use crate::variational::map::{Map, OwnStep};
 use crate::variational::rattle::{Failure, Rattle};
 
 /// `C`: the step that belongs to a tolerance of 1 at a density of 1/s.
@@ -67,11 +68,10 @@ impl Monitor {
     }
 }
 
-/// The integrator: the last node of its own sequence of steps, and a copy that makes the output.
+/// The integrator.
 #[derive(Clone, Debug)]
 pub struct Adaptive {
-    node: Rattle,
-    output: Rattle,
+    nodes: Nodes,
     monitor: Monitor,
     /// `rho_{n+1/2}` of the step from the node, 1/s.
     density: f64,
@@ -86,7 +86,7 @@ impl Adaptive {
     pub fn new(system: &System, rattle: Rattle, tolerance: f64) -> Adaptive {
         let monitor = Monitor::new(system, &rattle, tolerance);
         let density = monitor.rate(&rattle);
-        Adaptive { output: rattle.clone(), node: rattle, monitor, density, direction: 1.0, steps: 0 }
+        Adaptive { nodes: Nodes::starting_at(rattle), monitor, density, direction: 1.0, steps: 0 }
     }
 
     pub fn monitor(&self) -> Monitor {
@@ -103,19 +103,14 @@ impl Adaptive {
         self.steps
     }
 
-    /// Bodies that changed their rotation rule, by index, and when (s).
-    pub fn switched(&self) -> &[(usize, f64)] {
-        self.node.switched()
-    }
-
     /// Time of the output, s.
     pub fn output_time(&self) -> f64 {
-        self.output.time()
+        self.nodes.output_time()
     }
 
     /// Time of the last node, s.
     pub fn node_time(&self) -> f64 {
-        self.node.time()
+        self.nodes.last.time()
     }
 
     /// Takes one step of the sequence. After a failure the node is the one before.
@@ -124,11 +119,11 @@ impl Adaptive {
     /// See [`Failure`].
     pub fn step_node(&mut self) -> Result<(), Failure> {
         let h = self.step_size();
-        if !(h.abs() > f64::EPSILON * self.node.time().abs()) {
+        if !(h.abs() > f64::EPSILON * self.nodes.last.time().abs()) {
             return Err(Failure::Stalled { step: h });
         }
-        self.node.step(h)?;
-        let rate = self.monitor.rate(&self.node);
+        self.nodes.last.step(h)?;
+        let rate = self.monitor.rate(&self.nodes.last);
         self.density = rate * rate / self.density; // (1)
         self.steps += 1;
         Ok(())
@@ -136,7 +131,7 @@ impl Adaptive {
 
     /// Goes back from the last node: the nodes that were passed are passed again in reverse order.
     pub fn turn_back(&mut self) {
-        let rate = self.monitor.rate(&self.node);
+        let rate = self.monitor.rate(&self.nodes.last);
         self.density = rate * rate / self.density;
         self.direction = -self.direction;
     }
@@ -144,26 +139,46 @@ impl Adaptive {
     /// Advances to a time (s) and makes the output there.
     ///
     /// # Errors
-    /// See [`Failure`]. The output stays the one before.
+    /// See [`Failure`]. The output is then none.
     pub fn advance_to(&mut self, time: f64) -> Result<(), Failure> {
-        while self.direction * (time - self.node.time() - self.step_size()) >= 0.0 {
+        while self.direction * (time - self.nodes.last.time() - self.step_size()) >= 0.0 {
             self.step_node()?;
         }
-        let rest = time - self.node.time();
-        if rest.is_nan() || self.step_size().is_nan() {
-            return Err(Failure::Stalled { step: self.step_size() });
-        }
-        self.output.copy_from(&self.node)?;
-        if rest == 0.0 { Ok(()) } else { self.output.step(rest) }
+        self.nodes.make_output(time, self.step_size())
     }
 
     /// Writes the state at the time of the output.
     pub fn write_state(&self, out: &mut State) {
-        self.output.write_state(out);
+        self.nodes.write_output(out);
     }
 
     /// Writes the state of the last node.
     pub fn write_node(&self, out: &mut State) {
-        self.node.write_state(out);
+        self.nodes.last.write_state(out);
+    }
+}
+
+impl Map for Adaptive {
+    const STAYS_ON_FAILURE: bool = false;
+
+    /// Advances the output.
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        self.advance_to(self.output_time() + h)
+    }
+
+    fn write_state(&self, out: &mut State) {
+        Adaptive::write_state(self, out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        Some(&self.nodes.last)
+    }
+
+    fn before_failure(&self, _h: f64) -> Option<Adaptive> {
+        None
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        Some(OwnStep { time: self.node_time(), size: self.step_size() })
     }
 }

@@ -30,6 +30,10 @@
 //! Suzuki's form with more equal weights trades energy for positions: nine stages have less than half of the error in the positions
 //! and a fifth to a third more in the energy.
 
+use crate::mechanics::State;
+use crate::variational::map::{Map, OwnStep};
+use crate::variational::rattle::{Failure, Rattle};
+
 /// Symmetric weights, given by their first half; the middle weight is what the sum leaves over.
 #[derive(Clone, Copy, Debug)]
 pub struct Composition {
@@ -98,6 +102,65 @@ impl Composition {
     pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
         let middle = 1.0 - 2.0 * self.half.iter().sum::<f64>();
         self.half.iter().copied().chain(std::iter::once(middle)).chain(self.half.iter().rev().copied())
+    }
+
+    /// Takes one step of size `h` (s) of the composition by a map: `w_1 h`, ..., `w_m h`.
+    ///
+    /// # Errors
+    /// That of the substep that fails; the map stays where the one before led.
+    pub fn step(&self, map: &mut impl Map, h: f64) -> Result<(), Failure> {
+        self.substeps(map, h).map_err(|(_, failure)| failure)
+    }
+
+    /// The same; a failure comes with the number of substeps before it.
+    fn substeps(&self, map: &mut impl Map, h: f64) -> Result<(), (usize, Failure)> {
+        let mut numbered = self.weights().enumerate();
+        numbered.try_for_each(|(k, w)| map.step(w * h).map_err(|failure| (k, failure)))
+    }
+}
+
+/// A map composed of steps of another one.
+#[derive(Clone, Debug)]
+pub struct Composed<M> {
+    map: M,
+    composition: Composition,
+    /// Substeps before the one that failed in the last step.
+    taken: usize,
+}
+
+impl<M: Map> Composed<M> {
+    pub fn new(map: M, composition: Composition) -> Composed<M> {
+        Composed { map, composition, taken: 0 }
+    }
+}
+
+impl<M: Map> Map for Composed<M> {
+    const STAYS_ON_FAILURE: bool = false;
+
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        self.composition.substeps(&mut self.map, h).map_err(|(taken, failure)| {
+            self.taken = taken;
+            failure
+        })
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.map.write_state(out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        self.map.rattle()
+    }
+
+    fn before_failure(&self, h: f64) -> Option<Composed<M>> {
+        let mut start = self.clone();
+        let taken: Vec<f64> = self.composition.weights().take(self.taken).collect();
+        taken.iter().rev().try_for_each(|w| start.map.step(-(w * h))).ok()?;
+        Some(start)
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        None
     }
 }
 

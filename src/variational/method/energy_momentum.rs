@@ -26,12 +26,13 @@
 //! does anything without gravity (MW example 4.9.1 is the case without joint forces). Towards such a point the steps grow, as the reciprocal cube root of the bracket in (3), and
 //! end in [`Failure::NoStep`].
 //!
-//! Output at a given time is a step of RATTLE to it from a copy of the last node, so that the sequence of nodes does not
-//! depend on when output is asked for.
+//! Output at a given time is a step of RATTLE to it from a copy of the last node.
 
 use std::cmp::Ordering;
 
+use super::nodes::Nodes;
 use crate::mechanics::State;
+use crate::variational::map::{Map, OwnStep};
 use crate::variational::rattle::{Failure, Rattle};
 
 /// By which factor a step may differ from the last one.
@@ -71,14 +72,13 @@ fn closer(a: &Tried, b: &Tried) -> Ordering {
     a.excess.abs().total_cmp(&b.excess.abs())
 }
 
-/// The integrator: the last node of its sequence of steps, the next one, and a copy that makes the output.
+/// The integrator.
 #[derive(Clone, Debug)]
 pub struct EnergyMomentum {
-    node: Rattle,
+    nodes: Nodes,
     /// The end of the step that was tried last; the next node, if `found` has its step.
     ahead: Rattle,
     found: Option<Tried>,
-    output: Rattle,
     /// `E`, J, from the first step on.
     energy: Option<f64>,
     /// The last two steps, s, and the slope of the discrete energy over the square of the step, J/s^2.
@@ -113,8 +113,7 @@ impl EnergyMomentum {
         rattle.keep_rotation();
         EnergyMomentum {
             ahead: rattle.clone(),
-            output: rattle.clone(),
-            node: rattle,
+            nodes: Nodes::starting_at(rattle),
             found: None,
             energy: None,
             steps: [h, h],
@@ -151,12 +150,12 @@ impl EnergyMomentum {
 
     /// Time of the output, s.
     pub fn output_time(&self) -> f64 {
-        self.output.time()
+        self.nodes.output_time()
     }
 
     /// Time of the last node, s.
     pub fn node_time(&self) -> f64 {
-        self.node.time()
+        self.nodes.last.time()
     }
 
     /// Takes one step of the sequence. After a failure the node is the one before.
@@ -165,7 +164,7 @@ impl EnergyMomentum {
     /// See [`Failure`]; [`Failure::NoStep`] where no step keeps the discrete energy.
     pub fn step_node(&mut self) -> Result<(), Failure> {
         let found = self.find()?;
-        std::mem::swap(&mut self.node, &mut self.ahead);
+        std::mem::swap(&mut self.nodes.last, &mut self.ahead);
         self.found = None;
         self.steps = [found.h, if self.taken == 0 { found.h } else { self.steps[0] }];
         self.taken += 1;
@@ -177,31 +176,26 @@ impl EnergyMomentum {
     /// Advances to a time (s) and makes the output there.
     ///
     /// # Errors
-    /// See [`Failure`]. The output stays the one before.
+    /// See [`Failure`]. The output is then none.
     pub fn advance_to(&mut self, time: f64) -> Result<(), Failure> {
-        while self.node.time() < time {
+        while self.nodes.last.time() < time {
             self.find()?;
             if self.ahead.time() > time {
                 break;
             }
             self.step_node()?;
         }
-        let rest = time - self.node.time();
-        if rest.is_nan() {
-            return Err(Failure::Stalled { step: self.step_size() });
-        }
-        self.output.copy_from(&self.node)?;
-        if rest == 0.0 { Ok(()) } else { self.output.step(rest) }
+        self.nodes.make_output(time, self.step_size())
     }
 
     /// Writes the state at the time of the output.
     pub fn write_state(&self, out: &mut State) {
-        self.output.write_state(out);
+        self.nodes.write_output(out);
     }
 
     /// Writes the state of the last node.
     pub fn write_node(&self, out: &mut State) {
-        self.node.write_state(out);
+        self.nodes.last.write_state(out);
     }
 
     /// The step from the node, with its end in `ahead`.
@@ -210,7 +204,7 @@ impl EnergyMomentum {
             return Ok(found);
         }
         let last = self.steps[0];
-        if !(last > f64::EPSILON * self.node.time().abs()) {
+        if !(last > f64::EPSILON * self.nodes.last.time().abs()) {
             return Err(Failure::Stalled { step: last });
         }
         let found = match self.energy {
@@ -223,7 +217,7 @@ impl EnergyMomentum {
 
     /// The first step, whose discrete energy is that of the run.
     fn first(&mut self, h: f64) -> Result<Tried, Failure> {
-        self.ahead.copy_from(&self.node)?;
+        self.ahead.copy_from(&self.nodes.last)?;
         self.ahead.step(h)?;
         let of_step = self.ahead.discrete_energy(h);
         self.energy = Some(of_step.energy);
@@ -234,7 +228,7 @@ impl EnergyMomentum {
     /// (1) for a step of size `h`: by how much it misses (2). `None` where RATTLE has no such step.
     fn attempt(&mut self, h: f64, energy: f64) -> Option<Tried> {
         self.solves += 1;
-        self.ahead.copy_from(&self.node).ok()?;
+        self.ahead.copy_from(&self.nodes.last).ok()?;
         self.ahead.step(h).ok()?;
         let of_step = self.ahead.discrete_energy(h);
         let tried = Tried { h, excess: of_step.energy - energy, rounding: f64::EPSILON * of_step.size };
@@ -309,7 +303,7 @@ impl EnergyMomentum {
         }
         let Some(best) = [best, middle].into_iter().flatten().min_by(closer) else {
             // No step of any of these sizes can be taken: RATTLE says why.
-            self.ahead.copy_from(&self.node)?;
+            self.ahead.copy_from(&self.nodes.last)?;
             self.ahead.step(last)?;
             return Err(Failure::Stalled { step: last });
         };
@@ -338,5 +332,30 @@ impl EnergyMomentum {
         }
         let missed = Failure::NoStep { step: found.h, energy, missed: found.excess };
         self.attempt(found.h, energy).ok_or(missed)
+    }
+}
+
+impl Map for EnergyMomentum {
+    const STAYS_ON_FAILURE: bool = false;
+
+    /// Advances the output.
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        self.advance_to(self.output_time() + h)
+    }
+
+    fn write_state(&self, out: &mut State) {
+        EnergyMomentum::write_state(self, out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        Some(&self.nodes.last)
+    }
+
+    fn before_failure(&self, _h: f64) -> Option<EnergyMomentum> {
+        None
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        Some(OwnStep { time: self.node_time(), size: self.step_size() })
     }
 }

@@ -5,6 +5,7 @@ pub mod adaptive;
 pub mod composition;
 pub mod energy_momentum;
 pub mod lobatto;
+mod nodes;
 mod relatives;
 pub mod substep;
 

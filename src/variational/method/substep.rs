@@ -4,7 +4,9 @@
 //! better, but a step whose size depends on whether it converged is no symplectic and no time-reversible map: the long-time
 //! behaviour is given up wherever it happens.
 
-use crate::variational::rattle::Failure;
+use crate::mechanics::State;
+use crate::variational::map::{Map, OwnStep};
+use crate::variational::rattle::{Failure, Rattle};
 
 /// How often a step is halved at most: down to 1/1024 of it.
 pub const MOST_HALVINGS: u32 = 10;
@@ -42,4 +44,73 @@ pub fn step_that_works<S: Clone>(
         let part = h / f64::from(parts);
         (0..parts).all(|_| step(&mut copy, part).is_ok()).then_some(part)
     })
+}
+
+/// How many of the steps that were taken in halves are remembered.
+const REMEMBERED: usize = 3;
+
+/// A map whose steps are taken in halves where they fail.
+#[derive(Clone, Debug)]
+pub struct Halving<M> {
+    map: M,
+    taken: u64,
+    halved: Halved,
+}
+
+/// Steps that were taken in halves.
+#[derive(Clone, Debug)]
+pub struct Halved {
+    pub steps: u64,
+    /// How often a step was halved where it was halved most.
+    pub most: u32,
+    /// The first of them, as numbers of steps before.
+    pub first: Vec<u64>,
+}
+
+impl<M: Map> Halving<M> {
+    pub fn new(map: M) -> Halving<M> {
+        Halving { map, taken: 0, halved: Halved { steps: 0, most: 0, first: Vec::with_capacity(REMEMBERED) } }
+    }
+
+    pub fn map(&self) -> &M {
+        &self.map
+    }
+
+    pub fn halved(&self) -> &Halved {
+        &self.halved
+    }
+}
+
+impl<M: Map> Map for Halving<M> {
+    const STAYS_ON_FAILURE: bool = false;
+
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        let (map, halved) = (&mut self.map, &mut self.halved);
+        let halvings = step_in_halves(h, &mut |h| map.step(h))?;
+        if halvings > 0 {
+            halved.steps += 1;
+            halved.most = halved.most.max(halvings);
+            if halved.first.len() < REMEMBERED {
+                halved.first.push(self.taken);
+            }
+        }
+        self.taken += 1;
+        Ok(())
+    }
+
+    fn write_state(&self, out: &mut State) {
+        self.map.write_state(out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        self.map.rattle()
+    }
+
+    fn before_failure(&self, _h: f64) -> Option<Halving<M>> {
+        None
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        None
+    }
 }

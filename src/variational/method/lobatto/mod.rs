@@ -34,7 +34,8 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use crate::mechanics::{BodyState, State, System};
 use crate::variational::chain::{JointFrame, Motion, Node, Pose, RelativeMotion, keep_locked, mismatch, nodes};
 use crate::variational::closing::stop::LIMITS;
-use crate::variational::rattle::{Body, Failure, RETURN, bodies, norm_defect, turn_less_one, world_inertia};
+use crate::variational::map::{Map, OwnStep};
+use crate::variational::rattle::{Body, Failure, RETURN, Rattle, bodies, norm_defect, turn_less_one, world_inertia};
 use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 use crate::variational::tree::{Singular, Tree};
 use attitude::{Attitude, MOST_ITERATIONS};
@@ -487,6 +488,30 @@ impl Lobatto {
                 angular_velocity: twist.angular,
             };
         }
+    }
+}
+
+impl Map for Lobatto {
+    const STAYS_ON_FAILURE: bool = true;
+
+    fn step(&mut self, h: f64) -> Result<(), Failure> {
+        Lobatto::step(self, h)
+    }
+
+    fn write_state(&self, out: &mut State) {
+        Lobatto::write_state(self, out);
+    }
+
+    fn rattle(&self) -> Option<&Rattle> {
+        None
+    }
+
+    fn before_failure(&self, _h: f64) -> Option<Lobatto> {
+        Some(self.clone())
+    }
+
+    fn own_step(&self) -> Option<OwnStep> {
+        None
     }
 }
 

@@ -5,7 +5,8 @@ use crate::mechanics::State;
 
 /// A map from the state at one time to that a step later.
 pub trait Map: Clone {
-    /// Whether a step that fails leaves the state before it. Otherwise it may be any state on the way.
+    /// Whether a step that fails leaves the state before it (that after it where it ends in a singular configuration). Otherwise
+    /// it may be any state on the way.
     const STAYS_ON_FAILURE: bool;
 
     /// Takes one step of size `h` (s), backwards where that is negative.

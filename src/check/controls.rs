@@ -5,17 +5,13 @@
 
 use super::run::{self, Unit};
 use super::{Finding, Requirement, judge};
-use crate::engines::{self, ENGINES, Spec};
+use crate::engines::{self, Role, Spec};
 use crate::mechanics::System;
 use crate::report::Report;
 
-/// Engines that do not conserve energy over long times, or not to high order.
-const CONTROLS: [&str; 3] = ["explicit_euler", "semi_implicit_euler", "rk4"];
-
-/// The controls that this program has.
+/// The engines that serve as controls.
 pub fn available() -> Vec<Spec> {
-    let known = CONTROLS.into_iter().filter(|name| ENGINES.iter().any(|e| e.name == *name));
-    known.filter_map(|name| Spec::parse(name).ok()).collect()
+    engines::line_up(Role::Control).into_iter().filter_map(|text| Spec::parse(text).ok()).collect()
 }
 
 /// What the controls made of one bound.
@@ -70,7 +66,7 @@ fn figure(finding: &Finding) -> String {
 /// A line for each bound, those that catch nothing last and named as such.
 pub fn text(scene: &str, controls: &[Control]) -> String {
     if available().is_empty() {
-        return format!("{scene}: this version has none of the controls {}\n", CONTROLS.join(", "));
+        return format!("{scene}: this version has no engine that serves as a control\n");
     }
     let mut text = format!("{scene}: controls\n");
     let (catching, idle): (Vec<&Control>, Vec<&Control>) = controls.iter().partition(|c| !c.caught.is_empty());

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::{CliError, input, interrupt, progress};
-use crate::engines::Spec;
+use crate::engines::{self, Role, Spec};
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress};
 use crate::measure::cost::sweep::{self, Setting};
@@ -17,17 +17,6 @@ use crate::report::Report;
 use crate::report::folder::{files, report as folder};
 use crate::report::words::number::duration;
 use crate::report::words::{finding, summary, table};
-
-/// Engines that are compared where none is named, as far as they have the means for the scene.
-const ENGINES: [&str; 7] = [
-    "rattle",
-    "rattle:order=8",
-    "galerkin",
-    "dop853",
-    "rapier",
-    "rapier:preset=strong",
-    "rapier:joints=multibody,precision=f64",
-];
 
 /// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
 const QUICK_DURATION: f64 = 2.0;
@@ -112,8 +101,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// The default engines that support a system.
 fn default_engines(system: &System, step: f64) -> Result<Vec<Spec>, CliError> {
-    let mut specs = input::specs(&ENGINES)?;
-    specs.retain(|spec| crate::engines::build(spec, system, step).is_ok());
+    let mut specs = input::specs(&engines::line_up(Role::Compare))?;
+    specs.retain(|spec| engines::build(spec, system, step).is_ok());
     Ok(specs)
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicU64;
 
 use super::{CliError, input, interrupt, progress};
-use crate::engines::Spec;
+use crate::engines::{self, Role, Spec};
 use crate::measure::cost::scaling::Scaling;
 use crate::mechanics::System;
 use crate::model::generate::Chain;
@@ -14,20 +14,6 @@ use crate::report::folder;
 use crate::report::folder::files;
 use crate::report::record::cost::Cost;
 use crate::report::words::cost as cost_words;
-
-/// Engines that are timed where none is named.
-const ENGINES: [&str; 10] = [
-    "rattle",
-    "rattle:order=8",
-    "galerkin",
-    "dop853",
-    "rk4",
-    "semi_implicit_euler",
-    "rapier",
-    "rapier:precision=f64",
-    "rapier:preset=strong",
-    "rapier:joints=multibody,precision=f64",
-];
 
 const LINKS: [usize; 7] = [1, 2, 5, 10, 20, 50, 100];
 
@@ -61,7 +47,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), CliError> {
     let step = input::positive("--step", args.step)?;
     let named: Vec<&str> = args.engine.iter().map(String::as_str).collect();
-    let named = if named.is_empty() { ENGINES.to_vec() } else { named };
+    let named = if named.is_empty() { engines::line_up(Role::Cost) } else { named };
     let engines = named.iter().map(|text| Spec::parse(text)).collect::<Result<Vec<Spec>, _>>()?;
     files::prepare(&args.out)?;
     let mut links: Vec<usize> = args.links.iter().map(|n| usize::from(*n)).collect();

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 }
 
 fn key(key: Key) -> Item {
-    Item { values: Some(key.values()), ..Item::new(key.name(), key.summary()) }
+    Item { values: Some(key.values()), ..Item::new(key.name(), &key.summary()) }
 }
 
 /// The scenes `models/*/scene.json`, by name.

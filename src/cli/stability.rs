@@ -9,15 +9,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::{CliError, input, interrupt, progress};
+use crate::engines::{self, Role};
 use crate::measure::stability::suite;
 use crate::measure::stability::{Cell, FAMILIES, Family, Finding, Shard, Suite};
 use crate::report::folder;
 use crate::report::folder::cells::{Store, StoreError};
 use crate::report::record::stability::{Key, StabilityReport, StoredCell, SuiteRecord};
 use crate::report::words::borders;
-
-/// Engines of a suite where none is named.
-const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
 
 /// Find where engines stop being right, and how they fail: stiff and extreme scenes along a parameter, against the step.
 ///
@@ -66,7 +64,11 @@ impl FromStr for Shard {
 pub fn run(args: &Args) -> Result<(), CliError> {
     let asked = |family: &&&Family| args.family.is_empty() || args.family.iter().any(|name| name == family.name);
     let families: Vec<&'static Family> = FAMILIES.iter().filter(asked).copied().collect();
-    let engines = if args.engine.is_empty() { input::specs(&ENGINES)? } else { input::specs(&args.engine)? };
+    let engines = if args.engine.is_empty() {
+        input::specs(&engines::line_up(Role::Stability))?
+    } else {
+        input::specs(&args.engine)?
+    };
     let head = SuiteRecord::new(&families, &engines, args.engine.is_empty(), args.quick);
     let (store, mut finished) = Store::open(&args.out, &head, args.resume)?;
     let suite = Suite::new(families, |family| input::specs(&head.engines_of(family)), args.quick)?;

@@ -8,8 +8,13 @@
 
 use differential_equations::tableau::ButcherTableau;
 
-use super::joint_coordinates::{JointCoordinates, PARTS};
-use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
+use super::engine::{Engine, StepFailure, Unsupported};
+use super::entry::{Entry, is_converged, usual_cost};
+use super::joint_coordinates::{GROUP, JointCoordinates, PARTS};
+use super::key::{Key, Number};
+use super::line_up::{Colour, Contestant, Look, Marker, Role};
+use super::swept::{READ, Swept};
+use super::values::Values;
 use crate::mechanics::{State, System};
 
 static TOLERANCE: Number = Number {
@@ -26,12 +31,40 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "Dormand-Prince order 8 on joint coordinates, adaptive within the step: accurate, energy drifts",
     keys: &[Key::Number(&TOLERANCE)],
     parts: PARTS,
+    group: &GROUP,
+    contestants: &[Contestant {
+        spec: "dop853",
+        roles: &[Role::Compare, Role::Cost],
+        look: Some(Look { colour: Colour::Black, marker: Marker::Square }),
+    }],
+    tuned: None,
+    sweep: &[
+        Swept::full("dop853:tolerance=1e-3", READ),
+        Swept::full("dop853:tolerance=1e-4", READ),
+        Swept::full("dop853:tolerance=1e-5", READ),
+        Swept::both("dop853:tolerance=1e-6", READ, READ),
+        Swept::full("dop853:tolerance=1e-7", READ),
+        Swept::both("dop853:tolerance=1e-8", READ, READ),
+        Swept::both("dop853:tolerance=5e-9", READ, READ),
+        Swept::both("dop853:tolerance=2e-9", READ, READ),
+        Swept::both("dop853", READ, READ),
+        Swept::full("dop853:tolerance=3e-10", READ),
+        Swept::both("dop853:tolerance=1e-10", READ, READ),
+        Swept::full("dop853:tolerance=3e-11", READ),
+        Swept::full("dop853:tolerance=1e-11", READ),
+        Swept::both("dop853:tolerance=1e-12", READ, READ),
+        Swept::full("dop853:tolerance=1e-13", READ),
+    ],
+    tolerance: Some(&TOLERANCE),
+    nominal_cost: usual_cost,
+    hold: None,
+    converged: is_converged,
     build,
 };
 
 const STAGES: usize = 12;
 
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let state = JointCoordinates::new(spec, system, step)?;
     let room = || vec![0.0; state.y.len()];
     let mut engine = Dop853 {

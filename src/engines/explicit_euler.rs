@@ -4,8 +4,12 @@
 //! q1 = q0 moved by h v0 ,     v1 = v0 + h a(q0, v0)
 //! ```
 
-use super::joint_coordinates::{JointCoordinates, PARTS};
-use super::{Engine, Entry, Spec, StepFailure, Unsupported};
+use super::engine::{Engine, StepFailure, Unsupported};
+use super::entry::{Entry, is_converged, usual_cost};
+use super::joint_coordinates::{GROUP, JointCoordinates, PARTS};
+use super::line_up::{Contestant, Role};
+use super::swept::{SHORT_STEPS, Swept};
+use super::values::Values;
 use crate::mechanics::{State, System};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -13,10 +17,18 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "explicit Euler on joint coordinates: order 1, gains energy; a control that every bound must catch",
     keys: &[],
     parts: PARTS,
+    group: &GROUP,
+    contestants: &[Contestant { spec: "explicit_euler", roles: &[Role::Control], look: None }],
+    tuned: None,
+    sweep: &[Swept::full("explicit_euler", SHORT_STEPS)],
+    tolerance: None,
+    nominal_cost: usual_cost,
+    hold: None,
+    converged: is_converged,
     build,
 };
 
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let state = JointCoordinates::new(spec, system, step)?;
     Ok(Box::new(ExplicitEuler { a: vec![0.0; state.velocities()], state }))
 }

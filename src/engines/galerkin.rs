@@ -1,7 +1,12 @@
 //! The Galerkin variational integrator in joint coordinates as an engine.
 
-use super::joint_coordinates::PARTS;
-use super::{Engine, Entry, Key, Number, Spec, StepFailure, Unsupported};
+use super::engine::{Engine, StepFailure, Unsupported};
+use super::entry::{Entry, is_converged, usual_cost};
+use super::joint_coordinates::{GROUP, PARTS};
+use super::key::{Key, Number};
+use super::line_up::{Colour, Contestant, Look, Marker, Role};
+use super::swept::{GALERKIN_STEPS, LONG_STEPS, LONGEST_STEPS, QUICK_GALERKIN_STEPS, QUICK_LONG_STEPS, Swept};
+use super::values::Values;
 use crate::mechanics::{State, System};
 use crate::reduced::Model;
 use crate::reduced::galerkin::{Failure, Galerkin};
@@ -20,10 +25,28 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "Galerkin variational integrator (Gauss collocation) on joint coordinates: symplectic, time-reversible",
     keys: &[Key::Number(&STAGES)],
     parts: PARTS,
+    group: &GROUP,
+    contestants: &[Contestant {
+        spec: "galerkin",
+        roles: &[Role::Compare, Role::Cost],
+        look: Some(Look { colour: Colour::Sky, marker: Marker::Diamond }),
+    }],
+    tuned: None,
+    sweep: &[
+        Swept::full("galerkin:stages=2", LONG_STEPS),
+        Swept::full("galerkin:stages=3", LONGEST_STEPS),
+        Swept::both("galerkin", LONGEST_STEPS, QUICK_LONG_STEPS),
+        Swept::both("galerkin:stages=6", GALERKIN_STEPS, QUICK_GALERKIN_STEPS),
+        Swept::both("galerkin:stages=8", GALERKIN_STEPS, QUICK_GALERKIN_STEPS),
+    ],
+    tolerance: None,
+    nominal_cost: usual_cost,
+    hold: None,
+    converged: is_converged,
     build,
 };
 
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let galerkin = Galerkin::new(Model::new(system), spec.number(&STAGES) as usize, step, system.energy_scale)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: describe(failure, 0.0, step) })?;
     Ok(Box::new(GalerkinEngine { galerkin, step, taken: 0 }))

@@ -1,9 +1,14 @@
 //! What the engines in joint coordinates share.
 
-use super::{Spec, StepFailure, Unsupported};
+use super::engine::{StepFailure, Unsupported};
+use super::group::{Group, Origin};
+use super::values::Values;
 use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
 use crate::reduced::equations::Articulated;
+
+/// Engines in joint coordinates.
+pub(super) static GROUP: Group = Group { name: "joint coordinates", origin: Origin::Own };
 
 /// What the equations in joint coordinates hold beside the tree.
 pub(super) const PARTS: &[Part] = &[Part::JointSprings, Part::PointSprings, Part::Drives];
@@ -19,7 +24,7 @@ pub(super) struct JointCoordinates {
 impl JointCoordinates {
     /// # Errors
     /// A joint can move without moving any mass.
-    pub(super) fn new(spec: &Spec, system: &System, step: f64) -> Result<JointCoordinates, Unsupported> {
+    pub(super) fn new(spec: &Values, system: &System, step: f64) -> Result<JointCoordinates, Unsupported> {
         let model = Model::new(system);
         let (mut y, v) = model.initial();
         y.extend(v);

@@ -14,7 +14,10 @@ use std::cell::RefCell;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 
-use super::{Engine, Entry, Spec, StepFailure, Unsupported};
+use super::engine::{Engine, StepFailure, Unsupported};
+use super::entry::{Entry, is_converged, usual_cost};
+use super::joint_coordinates::GROUP;
+use super::values::Values;
 use crate::mechanics::{Part, State, System};
 use crate::reduced::Model;
 use crate::reduced::equations::Dynamics;
@@ -35,10 +38,18 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
     keys: &[],
     parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
+    group: &GROUP,
+    contestants: &[],
+    tuned: None,
+    sweep: &[],
+    tolerance: None,
+    nominal_cost: usual_cost,
+    hold: None,
+    converged: is_converged,
     build,
 };
 
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let integration = Integration::new(system, TOLERANCE)
         .map_err(|failure| Unsupported { engine: spec.to_string(), what: failure.to_string() })?;
     Ok(Box::new(ReferenceEngine { integration, step, taken: 0 }))

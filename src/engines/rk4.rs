@@ -3,8 +3,12 @@
 //! Accurate on short smooth runs; not symplectic: its energy drifts in proportion to time. Quaternions are normalised after
 //! each step.
 
-use super::joint_coordinates::{JointCoordinates, PARTS};
-use super::{Engine, Entry, Spec, StepFailure, Unsupported};
+use super::engine::{Engine, StepFailure, Unsupported};
+use super::entry::{Entry, is_converged};
+use super::joint_coordinates::{GROUP, JointCoordinates, PARTS};
+use super::line_up::{Colour, Contestant, Look, Marker, Role};
+use super::swept::{QUICK_SHORT_STEPS, STEPS, Swept};
+use super::values::Values;
 use crate::mechanics::{State, System};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -12,10 +16,22 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "the classical Runge-Kutta method on joint coordinates: order 4, explicit, energy drifts",
     keys: &[],
     parts: PARTS,
+    group: &GROUP,
+    contestants: &[Contestant {
+        spec: "rk4",
+        roles: &[Role::Cost, Role::Explicit, Role::Control],
+        look: Some(Look { colour: Colour::Stone, marker: Marker::Triangle }),
+    }],
+    tuned: None,
+    sweep: &[Swept::both("rk4", STEPS, QUICK_SHORT_STEPS)],
+    tolerance: None,
+    nominal_cost: |_, bodies| 0.2 + bodies,
+    hold: None,
+    converged: is_converged,
     build,
 };
 
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let state = JointCoordinates::new(spec, system, step)?;
     let room = || vec![0.0; state.y.len()];
     Ok(Box::new(RungeKutta { rate: room(), sum: room(), at: room(), state }))

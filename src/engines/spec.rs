@@ -1,75 +1,21 @@
-//! Engine specs: `name` or `name:key=value,key=value`.
+//! Engine specs, `name` or `name:key=value,key=value`, and what is made from them.
 
 use std::fmt;
 
-use super::{ENGINES, Entry};
+use super::engine::{Engine, Unsupported};
+use super::entry::Entry;
+use super::held::Held;
+use super::list::{ENGINES, named};
+use super::rattle;
+use super::values::Values;
+use crate::mechanics::System;
+use crate::variational::Fault;
 
-/// A key that an engine takes.
-#[derive(Clone, Copy, Debug)]
-pub enum Key {
-    Choice(&'static Choice),
-    Number(&'static Number),
-}
-
-/// A key whose value is one of a few words; the first is the default.
-#[derive(Debug)]
-pub struct Choice {
-    pub name: &'static str,
-    pub words: &'static [&'static str],
-    pub summary: &'static str,
-}
-
-/// A key whose value is a number in an inclusive range.
-#[derive(Debug)]
-pub struct Number {
-    pub name: &'static str,
-    pub min: f64,
-    pub max: f64,
-    pub default: f64,
-    /// Whether only whole numbers make sense.
-    pub whole: bool,
-    pub summary: &'static str,
-}
-
-impl Key {
-    pub fn name(self) -> &'static str {
-        match self {
-            Key::Choice(key) => key.name,
-            Key::Number(key) => key.name,
-        }
-    }
-
-    pub fn summary(self) -> &'static str {
-        match self {
-            Key::Choice(key) => key.summary,
-            Key::Number(key) => key.summary,
-        }
-    }
-
-    /// The values that the key takes, in words.
-    pub fn values(self) -> String {
-        match self {
-            Key::Choice(key) => key.words.join("|"),
-            Key::Number(key) if key.whole => format!("a whole number from {} to {}", key.min, key.max),
-            Key::Number(key) => format!("a number from {:e} to {:e}", key.min, key.max),
-        }
-    }
-
-    fn accepts(self, value: &str) -> bool {
-        match self {
-            Key::Choice(key) => key.words.contains(&value),
-            Key::Number(key) => {
-                value.parse::<f64>().is_ok_and(|x| x >= key.min && x <= key.max && (!key.whole || x.fract() == 0.0))
-            }
-        }
-    }
-}
-
-/// A spec that has been checked against the engine's keys. Settings stand in the order given; none stands twice.
+/// A spec that has been checked against the engine's keys.
 #[derive(Clone, Debug)]
 pub struct Spec {
     entry: &'static Entry,
-    settings: Vec<(String, String)>,
+    values: Values,
 }
 
 impl Spec {
@@ -79,11 +25,11 @@ impl Spec {
     /// An unknown engine, key or value, and a key given twice; the message lists what is known.
     pub fn parse(text: &str) -> Result<Spec, SpecError> {
         let (name, rest) = text.split_once(':').unwrap_or((text, ""));
-        let entry = ENGINES.iter().find(|e| e.name == name).ok_or_else(|| SpecError::UnknownEngine {
+        let entry = named(text).ok_or_else(|| SpecError::UnknownEngine {
             name: name.to_string(),
             known: ENGINES.iter().map(|e| e.name).collect::<Vec<_>>().join(", "),
         })?;
-        let mut settings: Vec<(String, String)> = Vec::new();
+        let mut values = Values::none(entry.name);
         for setting in rest.split(',').filter(|_| text.contains(':')) {
             let (key_name, value) = setting
                 .split_once('=')
@@ -101,47 +47,31 @@ impl Spec {
                     values: key.values(),
                 });
             }
-            if settings.iter().any(|(k, _)| k == key_name) {
+            if values.given(key_name).is_some() {
                 return Err(SpecError::Twice { spec: text.to_string(), key: key_name.to_string() });
             }
-            settings.push((key_name.to_string(), value.to_string()));
+            values.add(key_name, value);
         }
-        Ok(Spec { entry, settings })
+        Ok(Spec { entry, values })
     }
 
     pub fn entry(&self) -> &'static Entry {
         self.entry
     }
 
-    /// The value that was given for a key, if any.
-    pub fn given(&self, name: &str) -> Option<&str> {
-        self.settings.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    pub fn values(&self) -> &Values {
+        &self.values
     }
 
-    /// The word given for a key, or its default.
-    pub fn word(&self, key: &'static Choice) -> &'static str {
-        let given = self.given(key.name);
-        key.words.iter().find(|w| Some(**w) == given).or(key.words.first()).copied().unwrap_or("")
-    }
-
-    /// The number given for a key, or `default`.
-    pub fn number_or(&self, key: &'static Number, default: f64) -> f64 {
-        self.given(key.name).and_then(|value| value.parse().ok()).unwrap_or(default)
-    }
-
-    /// The number given for a key, or its default.
-    pub fn number(&self, key: &'static Number) -> f64 {
-        self.number_or(key, key.default)
+    /// Nominal time of a step of a system of so many bodies, us.
+    pub fn nominal_cost(&self, bodies: usize) -> f64 {
+        (self.entry.nominal_cost)(&self.values, bodies as f64)
     }
 }
 
 impl fmt::Display for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.entry.name)?;
-        for (i, (key, value)) in self.settings.iter().enumerate() {
-            write!(f, "{}{key}={value}", if i == 0 { ':' } else { ',' })?;
-        }
-        Ok(())
+        self.values.fmt(f)
     }
 }
 
@@ -158,4 +88,35 @@ pub enum SpecError {
     BadValue { engine: String, key: String, value: String, values: String },
     #[error("engine spec '{spec}': key '{key}' is given twice")]
     Twice { spec: String, key: String },
+}
+
+/// Builds the engine that a spec names for a system, at its initial state, with a step size in s.
+///
+/// # Errors
+/// The engine has no means for something that the system needs.
+pub fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
+    if let Some(part) = system.parts.kinds().find(|part| !spec.entry.parts.contains(part)) {
+        return Err(Unsupported { engine: spec.to_string(), what: part.name().to_string() });
+    }
+    (spec.entry.build)(&spec.values, system, step)
+}
+
+/// As [`build`] for the engine `rattle`, with a planted fault, for tests of what checks catch.
+///
+/// # Errors
+/// As [`build`].
+#[doc(hidden)]
+pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<Box<dyn Engine>, Unsupported> {
+    rattle::faulty(&spec.values, system, step, fault)
+}
+
+/// What an engine holds of a system before the first step, read back from its own data: the evidence that it simulates the same
+/// system. `None` for engines that compute on the [`System`] itself, and where the engine cannot be built.
+pub fn held(spec: &Spec, system: &System, step: f64) -> Option<Held> {
+    spec.entry.hold.and_then(|hold| hold(&spec.values, system, step).ok())
+}
+
+/// The same engine with its constraints solved to the end, for engines whose settings leave them half solved.
+pub fn converged(spec: &Spec) -> Option<Spec> {
+    (spec.entry.converged)(&spec.values).and_then(|text| Spec::parse(&text).ok())
 }

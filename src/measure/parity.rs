@@ -173,7 +173,7 @@ fn of(
     })
 }
 
-fn held_difference(system: &System, held: &engines::rapier::Held) -> HeldDifference {
+fn held_difference(system: &System, held: &engines::Held) -> HeldDifference {
     let mut all = HeldDifference::default();
     for (ours, theirs) in system.bodies.iter().zip(&held.bodies) {
         let axes = theirs.axes.angle();

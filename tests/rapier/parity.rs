@@ -1,7 +1,7 @@
 //! What rapier holds is our system: its state, its masses, its forces and its joints.
 
 use nalgebra::{DVector, Vector3};
-use rattlebench::engines::rapier::{Held, hold};
+use rattlebench::engines::{self, Held};
 use rattlebench::mechanics::{Drive, JointSpring, State, System, energy};
 
 use crate::forward_dynamics::{Constraint, accelerations, velocities};
@@ -15,7 +15,7 @@ const IMPULSE_CONVERGED: &str = "rapier:precision=f64,substeps=1,iterations=3000
 const MULTIBODY_ONE_SUBSTEP: &str = "rapier:precision=f64,joints=multibody,substeps=1";
 
 fn held(text: &str, system: &System) -> Held {
-    hold(&spec(text), system, 1e-3).expect("rapier takes the system")
+    engines::held(&spec(text), system, 1e-3).expect("rapier takes the system")
 }
 
 #[test]
@@ -223,12 +223,13 @@ fn a_damped_and_driven_oscillator_converges_to_its_closed_form() {
 
 #[test]
 fn what_rapier_cannot_do_with_springs_is_said() {
-    let refused = |text: &str, system: &System| hold(&spec(text), system, 1e-3).expect_err("refused").to_string();
+    let refused =
+        |text: &str, system: &System| engines::build(&spec(text), system, 1e-3).err().expect("refused").to_string();
     let system = scenes::named("chain");
     let mut wound = system.clone();
     wound.parts.joint_springs = vec![JointSpring { body: 0, stiffness: 1.0, damping: 0.0, rest: 5.0 }];
     assert!(refused(IMPULSE, &wound).contains("a motor knows angles modulo a turn"), "{}", refused(IMPULSE, &wound));
-    assert!(hold(&spec(MULTIBODY), &wound, 1e-3).is_ok());
+    assert!(engines::build(&spec(MULTIBODY), &wound, 1e-3).is_ok());
     let hung = scenes::hung_on_springs(&system);
     assert!(refused(MULTIBODY, &hung).contains("springs between points with joints=multibody"));
     let mut faint = system.clone();

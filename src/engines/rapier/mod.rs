@@ -28,68 +28,20 @@
 //! # What its states mean
 //!
 //! A substep of length `h = step / substeps` is semi-implicit: `v1 = v0 + h a(x0)`, `x1 = x0 + h v1`, so velocities
-//! belong to a time `h/2` before the positions and [`Engine::position_lag_s`] is `h/2`. Multibody velocities are
+//! belong to a time `h/2` before the positions and [`Engine::position_lag_s`](crate::engines::Engine::position_lag_s) is `h/2`. Multibody velocities are
 //! computed from the generalized ones, because rapier leaves those of the bodies one substep behind. Single precision is
 //! converted where a state is written; the step size too is rounded to single precision.
 //!
 //! # Limits
 //!
 //! Rapier takes a body whose pose is not finite out of the simulation, with its velocity set to zero: that is reported
-//! as [`StepFailure::Diverged`](super::StepFailure::Diverged), and the engine stays at the last finite state. Where the
+//! as [`StepFailure::Diverged`](crate::engines::StepFailure::Diverged), and the engine stays at the last finite state. Where the
 //! solution for the accelerations of a multibody is not finite, rapier goes on with accelerations of zero and does not
 //! tell. The solver settings except `substeps` do not act on multibody joints.
 
 mod double;
-mod held;
+mod entry;
 mod settings;
 mod single;
 
-use super::{Engine, Entry, Spec, Unsupported};
-use crate::mechanics::{Part, System};
-
-pub use held::{Held, HeldBody};
-
-use settings::{KEYS, Precision, Settings};
-
-/// The entry in the list of engines.
-pub(super) const ENTRY: Entry = Entry {
-    name: "rapier",
-    summary: "rapier 0.36: impulse or multibody joints, f32 or f64; bare, what a rapier user gets by default",
-    keys: KEYS,
-    parts: &[Part::JointSprings, Part::PointSprings, Part::Drives],
-    build,
-};
-
-fn build(spec: &Spec, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
-    let settings = Settings::new(spec);
-    Ok(match settings.precision {
-        Precision::Single => Box::new(single::World::new(system, &settings, step)?),
-        Precision::Double => Box::new(double::World::new(system, &settings, step)?),
-    })
-}
-
-/// What rapier holds of a system before the first step, read back from its own bodies: the evidence that it simulates
-/// the same system.
-///
-/// # Errors
-/// Rapier has no means for something that the system needs.
-pub fn hold(spec: &Spec, system: &System, step: f64) -> Result<Held, Unsupported> {
-    let settings = Settings::new(spec);
-    Ok(match settings.precision {
-        Precision::Single => single::World::new(system, &settings, step)?.held(),
-        Precision::Double => double::World::new(system, &settings, step)?.held(),
-    })
-}
-
-/// Rapier with impulse joints that do not yield and that are solved to the end in one substep, in the precision of a
-/// spec: how it moves then is how the system moves that it holds. `None` with multibody joints, which leave nothing to
-/// solve.
-pub(super) fn converged(spec: &Spec) -> Option<Spec> {
-    let settings = Settings::new(spec);
-    let precision = match settings.precision {
-        Precision::Single => "f32",
-        Precision::Double => "f64",
-    };
-    let text = format!("rapier:precision={precision},substeps=1,iterations=3000,stabilization=0,softness_hz=1e12");
-    if settings.multibody { None } else { Spec::parse(&text).ok() }
-}
+pub(super) use entry::ENTRY;

@@ -1,19 +1,23 @@
 //! The keys of a rapier spec and what they set.
 
-use super::super::{Choice, Key, Number, Spec};
+use crate::engines::key::{Choice, Key, Number, Word};
+use crate::engines::values::Values;
 
-static JOINTS: Choice = Choice {
+static JOINTS: Choice<Joints> = Choice {
     name: "joints",
-    words: &["impulse", "multibody"],
+    words: &[Word::new("impulse", Joints::Impulse), Word::new("multibody", Joints::Multibody)],
     summary: "impulse: velocity constraints, solved iteratively; multibody: reduced coordinates",
 };
 
-static PRECISION: Choice =
-    Choice { name: "precision", words: &["f32", "f64"], summary: "floating point type; f64 with preset=strong" };
+static PRECISION: Choice<Precision> = Choice {
+    name: "precision",
+    words: &[Word::new("f32", Precision::Single), Word::new("f64", Precision::Double)],
+    summary: "floating point type; f64 with preset=strong",
+};
 
-static PRESET: Choice = Choice {
+static PRESET: Choice<Preset> = Choice {
     name: "preset",
-    words: &["default", "strong"],
+    words: &[Word::new("default", Preset::Default), Word::new("strong", Preset::Strong)],
     summary: "strong: precision=f64,substeps=1,iterations=4,stabilization=0; other keys override it",
 };
 
@@ -62,15 +66,15 @@ static DAMPING_RATIO: Number = Number {
     summary: "damping ratio of a joint's position correction; impulse joints only",
 };
 
-static GYRO: Choice = Choice {
+static GYRO: Choice<bool> = Choice {
     name: "gyro",
-    words: &["on", "off"],
+    words: &[Word::new("on", true), Word::new("off", false)],
     summary: "gyroscopic torque of each body; a multibody always has it",
 };
 
-static WARMSTART: Choice = Choice {
+static WARMSTART: Choice<bool> = Choice {
     name: "warmstart",
-    words: &["off", "on"],
+    words: &[Word::new("off", false), Word::new("on", true)],
     summary: "start joint impulses from the last ones; without joint limits the result is the same to roundoff",
 };
 
@@ -89,9 +93,48 @@ pub(super) static KEYS: &[Key] = &[
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Joints {
+    Impulse,
+    Multibody,
+}
+
+impl Joints {
+    /// Whether the joints' coordinates are what rapier advances, and constraints leave nothing to solve.
+    pub(super) fn are_coordinates(self) -> bool {
+        match self {
+            Joints::Impulse => false,
+            Joints::Multibody => true,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Precision {
     Single,
     Double,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Preset {
+    Default,
+    Strong,
+}
+
+impl Preset {
+    fn precision(self) -> Precision {
+        match self {
+            Preset::Default => Precision::Single,
+            Preset::Strong => Precision::Double,
+        }
+    }
+
+    /// The default of a whole number.
+    fn count(self, key: &Number, strong: f64) -> f64 {
+        match self {
+            Preset::Default => key.default,
+            Preset::Strong => strong,
+        }
+    }
 }
 
 /// What a spec sets, with the preset's values where it does not.
@@ -99,7 +142,7 @@ pub(super) enum Precision {
 pub(super) struct Settings {
     /// The spec as written, for messages.
     pub spec: String,
-    pub multibody: bool,
+    pub joints: Joints,
     pub precision: Precision,
     pub substeps: usize,
     pub iterations: usize,
@@ -112,26 +155,25 @@ pub(super) struct Settings {
 }
 
 impl Settings {
-    pub(super) fn new(spec: &Spec) -> Settings {
-        let strong = spec.word(&PRESET) == "strong";
+    pub(super) fn new(spec: &Values) -> Settings {
+        let preset = spec.choice(&PRESET);
         let precision = match spec.given(PRECISION.name) {
-            None if strong => "f64",
-            _ => spec.word(&PRECISION),
+            Some(_) => spec.choice(&PRECISION),
+            None => preset.precision(),
         };
         // Whole numbers within the keys' ranges, so the conversions are exact.
-        let count =
-            |key: &'static Number, preset: f64| spec.number_or(key, if strong { preset } else { key.default }) as usize;
+        let count = |key: &Number, strong: f64| spec.number_or(key, preset.count(key, strong)) as usize;
         Settings {
             spec: spec.to_string(),
-            multibody: spec.word(&JOINTS) == "multibody",
-            precision: if precision == "f64" { Precision::Double } else { Precision::Single },
+            joints: spec.choice(&JOINTS),
+            precision,
             substeps: count(&SUBSTEPS, 1.0),
             iterations: count(&ITERATIONS, 4.0),
             stabilization: count(&STABILIZATION, 0.0),
             softness: spec.number(&SOFTNESS),
             damping_ratio: spec.number(&DAMPING_RATIO),
-            gyro: spec.word(&GYRO) == "on",
-            warmstart: spec.word(&WARMSTART) == "on",
+            gyro: spec.choice(&GYRO),
+            warmstart: spec.choice(&WARMSTART),
         }
     }
 }

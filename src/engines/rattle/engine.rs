@@ -3,7 +3,7 @@
 use super::explain::Failed;
 use super::messages::Names;
 use super::remarks::{self, Told};
-use crate::engines::{Engine, StepFailure};
+use crate::engines::engine::{Engine, StepFailure};
 use crate::mechanics::{State, System};
 use crate::variational::Failure;
 
@@ -17,12 +17,14 @@ pub(super) struct RattleEngine<M> {
     before: State,
     /// Whether the map was lost on the way through a step, so that the state is the one before.
     lost: bool,
+    /// What a reader should know of the method.
+    remark: Option<&'static str>,
 }
 
 impl<M: Told> RattleEngine<M> {
-    pub(super) fn new(map: M, system: &System, step: f64) -> RattleEngine<M> {
+    pub(super) fn new(map: M, system: &System, step: f64, remark: Option<&'static str>) -> RattleEngine<M> {
         let (names, before) = (Names::of(system), system.initial.clone());
-        RattleEngine { map, step, taken: 0, names, before, lost: false }
+        RattleEngine { map, step, taken: 0, names, before, lost: false, remark }
     }
 }
 
@@ -72,6 +74,7 @@ impl<M: Told> Engine for RattleEngine<M> {
     fn remarks(&self) -> Vec<String> {
         let switched = self.map.rattle().map_or(&[][..], |rattle| rattle.switched());
         let switched = switched.iter().map(|&(body, time)| remarks::switched(&self.names.bodies[body], time));
-        switched.chain(self.map.steps(self.step, self.taken)).collect()
+        let told = self.remark.map(str::to_string).into_iter().chain(switched);
+        told.chain(self.map.steps(self.step, self.taken)).collect()
     }
 }

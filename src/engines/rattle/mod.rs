@@ -2,11 +2,12 @@
 
 mod build;
 mod engine;
+mod entry;
 mod explain;
 mod fits;
 mod messages;
 mod remarks;
 mod settings;
 
-pub(super) use build::ENTRY;
-pub use build::faulty;
+pub(super) use build::faulty;
+pub(super) use entry::ENTRY;

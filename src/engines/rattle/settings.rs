@@ -1,26 +1,63 @@
 //! The settings of the engine `rattle`.
 
-use crate::engines::{Choice, Key, Number};
+use crate::engines::key::{Choice, Key, Number, Word};
+use crate::engines::values::Values;
+use crate::variational::Rotation;
+use crate::variational::composition::{self, Composition};
+use crate::variational::method::{Facts, METHODS};
 
-pub(super) static ORDER: Choice = Choice {
+pub(super) static ORDER: Choice<Composition> = Choice {
     name: "order",
-    words: &["2", "4", "6", "8"],
+    words: &ORDERS,
     summary: "order of the symmetric composition of RATTLE steps: 1, 5, 13 or 17 of them a step",
 };
 
-pub(super) static ROTATION: Choice = Choice {
+const ORDERS: [Word<Composition>; composition::ALL.len()] = {
+    let mut words = [Word::new("", composition::ORDER_2); composition::ALL.len()];
+    let mut i = 0;
+    while i < words.len() {
+        words[i] = Word::new(composition::ALL[i].name, composition::ALL[i]);
+        i += 1;
+    }
+    words
+};
+
+/// Which rule turns the bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Turning {
+    /// Moser-Veselov while that has a solution.
+    Automatic,
+    By(Rotation),
+}
+
+pub(super) static ROTATION: Choice<Turning> = Choice {
     name: "rotation",
-    words: &["auto", "moser_veselov", "splitting", "cayley"],
+    words: &[
+        Word::new("auto", Turning::Automatic),
+        Word::new("moser_veselov", Turning::By(Rotation::MoserVeselov)),
+        Word::new("splitting", Turning::By(Rotation::Splitting)),
+        Word::new("cayley", Turning::By(Rotation::Cayley)),
+    ],
     summary: "how bodies turn: moser_veselov is RATTLE proper, for less than about 1 rad a step, the others have no such \
               limit; auto moves a body from the first to splitting, once, when it turns too fast",
 };
 
-pub(super) static METHOD: Choice = Choice {
+pub(super) static METHOD: Choice<&'static Facts> = Choice {
     name: "method",
-    words: &["rattle", "midpoint", "euler_a", "euler_b", "shake", "lobatto", "energy_momentum"],
+    words: &METHOD_WORDS,
     summary: "the map of one step: rattle, the same by the midpoint rule, the two symplectic Euler maps (order 1), rattle in \
-              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from the \
-              run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
+              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from \
+              the run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
+};
+
+const METHOD_WORDS: [Word<&'static Facts>; METHODS.len()] = {
+    let mut words = [Word::new("", &METHODS[0]); METHODS.len()];
+    let mut i = 0;
+    while i < words.len() {
+        words[i] = Word::new(METHODS[i].name, &METHODS[i]);
+        i += 1;
+    }
+    words
 };
 
 pub(super) static STAGES: Number = Number {
@@ -32,18 +69,45 @@ pub(super) static STAGES: Number = Number {
     summary: "stages of method=lobatto; with 2 it is rattle",
 };
 
-pub(super) static ON_FAILURE: Choice = Choice {
+/// What follows a step that does not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OnFailure {
+    Stop,
+    Substep,
+}
+
+pub(super) static ON_FAILURE: Choice<OnFailure> = Choice {
     name: "on_failure",
-    words: &["stop", "substep"],
-    summary: "what follows a step that does not converge: stop ends the run with its reason; substep takes the step in halves, \
-              down to 1/1024, which is not symplectic there and is counted",
+    words: &[
+        Word::meaning("stop", "ends the run with its reason", OnFailure::Stop),
+        Word::meaning(
+            "substep",
+            "takes the step in halves, down to 1/1024, which is not symplectic there and is counted",
+            OnFailure::Substep,
+        ),
+    ],
+    summary: "what follows a step that does not converge",
 };
 
-pub(super) static STEP: Choice = Choice {
+/// Who chooses the steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StepChoice {
+    Fixed,
+    Adaptive,
+}
+
+pub(super) static STEP: Choice<StepChoice> = Choice {
     name: "step",
-    words: &["fixed", "adaptive"],
-    summary: "fixed takes the run's step; adaptive takes time-reversible steps of its own, from tol, and hands out states at the \
-              run's step (not symplectic; the energy error stays bounded)",
+    words: &[
+        Word::meaning("fixed", "takes the run's step", StepChoice::Fixed),
+        Word::meaning(
+            "adaptive",
+            "takes time-reversible steps of its own, from tol, and hands out states at the run's step (not symplectic; \
+             the energy error stays bounded)",
+            StepChoice::Adaptive,
+        ),
+    ],
+    summary: "",
 };
 
 pub(super) static TOL: Number = Number {
@@ -56,7 +120,7 @@ pub(super) static TOL: Number = Number {
 };
 
 /// All settings, in the order in which they are listed.
-pub(super) static KEYS: &[Key] = &[
+pub(super) const KEYS: &[Key] = &[
     Key::Choice(&ORDER),
     Key::Choice(&METHOD),
     Key::Number(&STAGES),
@@ -65,3 +129,30 @@ pub(super) static KEYS: &[Key] = &[
     Key::Number(&TOL),
     Key::Choice(&ON_FAILURE),
 ];
+
+/// What a spec chooses.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settings {
+    pub composition: Composition,
+    pub method: &'static Facts,
+    pub stages: usize,
+    pub turning: Turning,
+    pub step: StepChoice,
+    pub tolerance: f64,
+    pub on_failure: OnFailure,
+}
+
+impl Settings {
+    pub(super) fn new(spec: &Values) -> Settings {
+        Settings {
+            composition: spec.choice(&ORDER),
+            method: spec.choice(&METHOD),
+            // A whole number within the range of its key.
+            stages: spec.number(&STAGES) as usize,
+            turning: spec.choice(&ROTATION),
+            step: spec.choice(&STEP),
+            tolerance: spec.number(&TOL),
+            on_failure: spec.choice(&ON_FAILURE),
+        }
+    }
+}

@@ -3,7 +3,8 @@
 //! A sweep takes every setting over the first [`LONGEST`] seconds of a scene, or less where the truth ends sooner, at step
 //! sizes that divide this time: errors are compared at the same twenty times in every run, or at those of them that it has.
 
-use crate::engines::{Key, Spec, SpecError};
+use crate::engines::swept::{self, Swept};
+use crate::engines::{self, Spec, SpecError};
 use crate::measure::Horizon;
 use crate::measure::truth::sampling::round_below;
 
@@ -20,138 +21,35 @@ pub struct Setting {
     pub counts: &'static [u64],
 }
 
-/// An engine setting with its numbers of steps.
-type Listed = (&'static str, &'static [u64]);
-
-/// Steps over the whole time: for methods of high order, of order two, and of order one. The rivals at small errors,
-/// compositions of high order, Galerkin methods and `dop853`, have neighbours whose costs differ by an eighth to a third there: with
-/// wider gaps a cost would say more about the list than about the engine.
-const LONG_STEPS: &[u64] = &[20, 40, 100, 200, 400, 1000, 2000];
-const COMPOSED_STEPS: &[u64] = &[20, 40, 60, 80, 100, 140, 200, 260, 340, 400, 500, 600, 800, 1000, 2000];
-const STEPS: &[u64] = &[40, 100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
-const SHORT_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
-/// For the settings of rapier that gain most by short steps, and those whose error stops falling.
-const SHORTEST_STEPS: &[u64] = &[100, 200, 400, 1000, 2000, 4000, 10_000, 20_000, 40_000, 100_000];
-/// For methods whose steps may be longer than the interval between two samples: every second, fourth or fifth is met then.
-const LONGEST_STEPS: &[u64] = &[4, 10, 20, 40, 60, 100, 200, 400, 1000];
-const GALERKIN_STEPS: &[u64] =
-    &[4, 5, 8, 10, 12, 16, 20, 25, 30, 35, 40, 50, 60, 70, 80, 100, 120, 140, 160, 200, 260, 400, 1000];
-/// Engines whose error a tolerance controls: the state is read seldom, so that reading does not shorten their steps, and at
-/// every sample.
-const READ: &[u64] = &[4, 10, SAMPLES];
-
-const QUICK_LONG_STEPS: &[u64] = &[20, 100, 400];
-const QUICK_SHORT_STEPS: &[u64] = &[200, 1000, 4000];
-const QUICK_COMPOSED_STEPS: &[u64] = &[20, 60, 80, 100, 140, 200, 400];
-const QUICK_GALERKIN_STEPS: &[u64] = &[5, 10, 20, 25, 30, 40, 50, 60, 80, 100, 140, 200, 400];
-
-/// What is tried where the user names no engine. Rapier: single precision as it comes, then double precision over substeps,
-/// Gauss-Seidel iterations and stabilisation, then reduced coordinates.
-const ALL: &[Listed] = &[
-    ("rattle", STEPS),
-    ("rattle:order=4", LONG_STEPS),
-    ("rattle:order=6", COMPOSED_STEPS),
-    ("rattle:order=8", COMPOSED_STEPS),
-    ("galerkin:stages=2", LONG_STEPS),
-    ("galerkin:stages=3", LONGEST_STEPS),
-    ("galerkin", LONGEST_STEPS),
-    ("galerkin:stages=6", GALERKIN_STEPS),
-    ("galerkin:stages=8", GALERKIN_STEPS),
-    ("dop853:tolerance=1e-3", READ),
-    ("dop853:tolerance=1e-4", READ),
-    ("dop853:tolerance=1e-5", READ),
-    ("dop853:tolerance=1e-6", READ),
-    ("dop853:tolerance=1e-7", READ),
-    ("dop853:tolerance=1e-8", READ),
-    ("dop853:tolerance=5e-9", READ),
-    ("dop853:tolerance=2e-9", READ),
-    ("dop853", READ),
-    ("dop853:tolerance=3e-10", READ),
-    ("dop853:tolerance=1e-10", READ),
-    ("dop853:tolerance=3e-11", READ),
-    ("dop853:tolerance=1e-11", READ),
-    ("dop853:tolerance=1e-12", READ),
-    ("dop853:tolerance=1e-13", READ),
-    ("rk4", STEPS),
-    ("semi_implicit_euler", SHORT_STEPS),
-    ("explicit_euler", SHORT_STEPS),
-    ("rapier", SHORTEST_STEPS),
-    ("rapier:substeps=1,iterations=4,stabilization=0", SHORT_STEPS),
-    ("rapier:joints=multibody", SHORTEST_STEPS),
-    ("rapier:precision=f64", SHORTEST_STEPS),
-    ("rapier:precision=f64,stabilization=0", SHORT_STEPS),
-    ("rapier:precision=f64,iterations=4", SHORT_STEPS),
-    ("rapier:precision=f64,iterations=4,stabilization=0", SHORT_STEPS),
-    ("rapier:precision=f64,iterations=16,stabilization=0", SHORT_STEPS),
-    ("rapier:precision=f64,substeps=1", SHORT_STEPS),
-    ("rapier:precision=f64,substeps=1,stabilization=0", SHORT_STEPS),
-    ("rapier:precision=f64,substeps=1,iterations=4", SHORT_STEPS),
-    ("rapier:preset=strong", SHORTEST_STEPS),
-    ("rapier:preset=strong,iterations=16", SHORTEST_STEPS),
-    ("rapier:preset=strong,iterations=64", SHORT_STEPS),
-    ("rapier:precision=f64,substeps=16", SHORT_STEPS),
-    ("rapier:precision=f64,substeps=16,iterations=4,stabilization=0", SHORT_STEPS),
-    ("rapier:joints=multibody,precision=f64", SHORT_STEPS),
-    ("rapier:joints=multibody,precision=f64,substeps=1", SHORTEST_STEPS),
-];
-
-/// With `--quick`.
-const QUICK: &[Listed] = &[
-    ("rattle", QUICK_SHORT_STEPS),
-    ("rattle:order=4", QUICK_LONG_STEPS),
-    ("rattle:order=8", QUICK_COMPOSED_STEPS),
-    ("galerkin", QUICK_LONG_STEPS),
-    ("galerkin:stages=6", QUICK_GALERKIN_STEPS),
-    ("galerkin:stages=8", QUICK_GALERKIN_STEPS),
-    ("dop853:tolerance=1e-6", READ),
-    ("dop853:tolerance=1e-8", READ),
-    ("dop853:tolerance=5e-9", READ),
-    ("dop853:tolerance=2e-9", READ),
-    ("dop853", READ),
-    ("dop853:tolerance=1e-10", READ),
-    ("dop853:tolerance=1e-12", READ),
-    ("rk4", QUICK_SHORT_STEPS),
-    ("rapier", QUICK_SHORT_STEPS),
-    ("rapier:preset=strong", QUICK_SHORT_STEPS),
-    ("rapier:joints=multibody,precision=f64", QUICK_SHORT_STEPS),
-];
-
-/// The settings that are tried by default.
+/// The settings that are tried where the user names no engine: those of every engine's entry.
 ///
 /// # Errors
-/// None while the lists above name engines and keys that there are.
+/// None while the entries name engines and keys that there are.
 pub fn settings(quick: bool) -> Result<Vec<Setting>, SpecError> {
-    let list = if quick { QUICK } else { ALL };
-    list.iter().map(|(text, counts)| Ok(Setting { engine: Spec::parse(text)?, counts })).collect()
+    let counts = |swept: &'static Swept| if quick { swept.quick } else { swept.counts };
+    let tried = engines::sweep().filter(|swept| !counts(swept).is_empty());
+    tried.map(|swept| Ok(Setting { engine: Spec::parse(swept.spec)?, counts: counts(swept) })).collect()
 }
 
 /// Engines that the user named, over as many step sizes as suit them.
 pub fn settings_of(engines: &[Spec], quick: bool) -> Vec<Setting> {
-    let same = |list: &'static [Listed], spec: &Spec| list.iter().find(|l| l.0 == spec.to_string());
-    let listed = |spec: &Spec| {
-        same(ALL, spec).or_else(|| ALL.iter().find(|(text, _)| text.split(':').next() == Some(spec.entry().name)))
-    };
-    let counts = |spec: &Spec| match listed(spec) {
-        _ if chooses_steps(spec) => READ,
-        Some((_, counts)) if quick => {
-            if let Some((_, counts)) = same(QUICK, spec) {
-                counts
-            } else if counts[0] < 100 {
-                QUICK_LONG_STEPS
-            } else {
-                QUICK_SHORT_STEPS
-            }
-        }
-        Some((_, counts)) => counts,
-        None if quick => QUICK_LONG_STEPS,
-        None => STEPS,
-    };
-    engines.iter().map(|spec| Setting { engine: spec.clone(), counts: counts(spec) }).collect()
+    engines.iter().map(|spec| Setting { engine: spec.clone(), counts: counts_of(spec, quick) }).collect()
 }
 
-/// Whether an engine chooses its own steps, by a tolerance: its state is then read at the steps of a run.
-pub fn chooses_steps(spec: &Spec) -> bool {
-    spec.entry().keys.iter().map(|key: &Key| key.name()).any(|name| name == "tolerance")
+/// Those of the same setting in its engine's entry, or of the first one there.
+fn counts_of(spec: &Spec, quick: bool) -> &'static [u64] {
+    let entry = spec.entry();
+    if entry.tolerance.is_some() {
+        return swept::READ;
+    }
+    let same = entry.sweep.iter().find(|swept| swept.spec == spec.to_string());
+    let listed = same.or(entry.sweep.first());
+    if !quick {
+        return listed.map_or(swept::STEPS, |swept| swept.counts);
+    }
+    let long = listed.is_none_or(|swept| swept.counts[0] < 100);
+    let usual = if long { swept::QUICK_LONG_STEPS } else { swept::QUICK_SHORT_STEPS };
+    same.map(|swept| swept.quick).filter(|quick| !quick.is_empty()).unwrap_or(usual)
 }
 
 /// The time that a sweep simulates, s: the largest of 1, 2, 5 times a power of ten within the scene's duration, the time

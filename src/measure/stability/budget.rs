@@ -1,4 +1,4 @@
-//! What a run costs, in nominal microseconds: a formula of engine, bodies and steps, never a clock, so that a suite finds
+//! What a run costs, in nominal microseconds: a formula of each engine in bodies and steps, never a clock, so that a suite finds
 //! the same cells over budget everywhere.
 
 use crate::engines::Spec;
@@ -6,27 +6,6 @@ use crate::mechanics::System;
 
 /// A run that would cost more than this is not begun, nominal s.
 pub const ALLOWANCE: f64 = 100.0;
-
-/// Nominal time of one step, µs: fitted by eye to the figures in `benches/README.md`.
-pub fn microseconds_per_step(engine: &Spec, bodies: usize) -> f64 {
-    let n = bodies as f64;
-    match (engine.entry().name, engine.given("joints")) {
-        ("rapier", Some("multibody")) => 5.0 * n + 0.06 * n.powi(3),
-        ("rapier", _) => 4.0 + 3.0 * n,
-        ("rattle", _) => {
-            let stages = match engine.given("order") {
-                Some("4") => 5.0,
-                Some("6") => 13.0,
-                Some("8") => 17.0,
-                _ => 1.0,
-            };
-            1.5 * stages * n
-        }
-        ("rk4", _) => 0.2 + n,
-        ("semi_implicit_euler", _) => 0.2 + 0.7 * n,
-        _ => 2.0 + 2.0 * n,
-    }
-}
 
 /// Nominal time of a step of the reference, s: twelve mass matrices with their factors, and what the loops add.
 pub fn reference_step_seconds(system: &System) -> f64 {
@@ -37,7 +16,7 @@ pub fn reference_step_seconds(system: &System) -> f64 {
 
 /// Nominal time of a run, s.
 pub fn seconds(engine: &Spec, bodies: usize, steps: u64) -> f64 {
-    1e-6 * microseconds_per_step(engine, bodies) * steps as f64
+    1e-6 * engine.nominal_cost(bodies) * steps as f64
 }
 
 /// Whether a run may be begun; else says why not.

@@ -10,9 +10,9 @@ pub struct Family {
     pub title: &'static str,
     /// What is asked of an engine here, one sentence.
     pub question: &'static str,
-    /// Engines that the family is meant for beside those of every family, where none is named: explicit methods, whose borders
-    /// it shows.
-    pub explicit: &'static [&'static str],
+    /// Whether it shows the borders of explicit methods, which it then runs beside the engines of every family where none is
+    /// named.
+    pub explicit: bool,
     pub scans: &'static [Scan],
 }
 

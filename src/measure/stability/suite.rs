@@ -148,12 +148,14 @@ fn tasks<'a>(groups: &[&'a [Cell<'a>]]) -> Vec<Task<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engines::{Role, line_up};
     use crate::measure::stability::FAMILIES;
 
-    const ENGINES: [&str; 4] = ["rattle", "rapier", "rapier:preset=strong", "rapier:joints=multibody,precision=f64"];
-
     fn suite(quick: bool) -> Suite {
-        let engines = |family: &Family| ENGINES.iter().chain(family.explicit).map(|text| Spec::parse(text)).collect();
+        let engines = |family: &Family| {
+            let explicit = if family.explicit { line_up(Role::Explicit) } else { Vec::new() };
+            line_up(Role::Stability).into_iter().chain(explicit).map(Spec::parse).collect()
+        };
         Suite::new(FAMILIES.to_vec(), engines, quick).expect("specs")
     }
 

@@ -5,8 +5,9 @@ use super::canvas::{self, ChartError};
 use super::chart::Chart;
 use super::panel::{Label, Panel, Words};
 use super::{legend, style};
+use crate::engines;
 use crate::measure::convergence::Verdict;
-use crate::report::record::front::{error, family};
+use crate::report::record::front::error;
 use crate::report::record::report::Report;
 use crate::report::record::run::Run;
 use crate::report::record::sweep::{Convergence, Sweep};
@@ -19,16 +20,6 @@ pub const CHART: Chart = Chart {
 };
 
 const FLOOR: i32 = -16;
-
-const RAPIER: &str = "rapier";
-
-/// Headings of the panels: two engines, and those that integrate joint coordinates.
-const PANELS: [&str; 3] = [RAPIER, "rattle", "joint coordinates"];
-
-fn panel_of(c: &Convergence) -> &'static str {
-    let name = family(&c.engine);
-    PANELS.into_iter().find(|heading| *heading == name).unwrap_or(PANELS[2])
-}
 
 fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let Some(sweep) = &report.sweep else { return Ok(None) };
@@ -43,18 +34,20 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
          where it does not converge, the error at which it stops falling",
         plain(sweep.until_s, 4)
     );
-    let panels: Vec<&str> =
-        PANELS.into_iter().filter(|heading| shown.iter().any(|c| panel_of(c) == *heading)).collect();
+    let group = |c: &Convergence| engines::group_of(&c.engine);
+    let mut panels = engines::groups();
+    panels.retain(|panel| shown.iter().any(|c| group(c) == *panel));
     canvas::render(|area| {
         let area = legend::frame(area, &title, &subtitle, &looks, &[])?;
         let width = area.dim_in_pixel().0 / panels.len() as u32;
         let mut rest = area;
-        for (i, heading) in panels.iter().enumerate() {
+        for (i, panel_group) in panels.iter().enumerate() {
             let (panel_area, right) = rest.split_horizontally(width);
             let y_words = (i == 0).then_some("largest joint position error, rad or m");
-            let panel = Panel::new(&panel_area, x, y, Words { heading, x: "step size, s", y: y_words })?;
+            let panel =
+                Panel::new(&panel_area, x, y, Words { heading: panel_group.name, x: "step size, s", y: y_words })?;
             let (mut labels, mut lines) = (Vec::new(), Vec::new());
-            for (c, (_, look)) in shown.iter().zip(&looks).filter(|(c, _)| panel_of(c) == *heading).rev() {
+            for (c, (_, look)) in shown.iter().zip(&looks).filter(|(c, _)| group(c) == *panel_group).rev() {
                 let points: Vec<(f64, f64)> = of(sweep, c).iter().filter_map(|r| Some((r.step_s, error(r)?))).collect();
                 panel.line(&points, *look, 2, false)?;
                 points.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
@@ -69,10 +62,10 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     .map(Some)
 }
 
-/// The engines of the report and, but for rapier with its many settings, those of the sweep.
+/// The engines of the report and, but for those that are tuned by many settings, those of the sweep.
 fn shown<'a>(report: &Report, sweep: &'a Sweep) -> Vec<&'a Convergence> {
     let compared = |c: &Convergence| report.runs.iter().any(|run| run.engine == c.engine);
-    sweep.convergence.iter().filter(|c| family(&c.engine) != RAPIER || compared(c)).collect()
+    sweep.convergence.iter().filter(|c| engines::tuned(&c.engine).is_none() || compared(c)).collect()
 }
 
 fn of<'a>(sweep: &'a Sweep, c: &Convergence) -> Vec<&'a Run> {

@@ -3,6 +3,9 @@
 use plotters::prelude::*;
 
 use super::super::Report;
+use crate::engines::{self, Colour, Origin};
+
+pub use crate::engines::Marker;
 
 /// Size of a finished chart, pixels.
 pub const WIDTH: u32 = 1200;
@@ -50,15 +53,6 @@ pub struct Look {
     pub marker: Marker,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    Circle,
-    Square,
-    Triangle,
-    Diamond,
-    TriangleDown,
-}
-
 // The palette of Okabe and Ito, without its yellow, which is too pale on white.
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub const SKY: RGBColor = RGBColor(86, 180, 233);
@@ -76,26 +70,28 @@ const NAVY: RGBColor = RGBColor(45, 45, 130);
 const TEAL: RGBColor = RGBColor(0, 125, 135);
 const LIME: RGBColor = RGBColor(130, 175, 20);
 
-/// The front of all settings of rapier, in the charts that have one.
-pub const BEST_OF_RAPIER: &str = "rapier, best of its settings";
+/// The look that an engine's entry gives to a setting, so that it is the same in every report.
+fn own(name: &str) -> Option<Look> {
+    let look = engines::look_of(name)?;
+    let colour = match look.colour {
+        Colour::Blue => BLUE,
+        Colour::Sky => SKY,
+        Colour::Green => GREEN,
+        Colour::Vermillion => VERMILLION,
+        Colour::Orange => ORANGE,
+        Colour::Purple => PURPLE,
+        Colour::Black => BLACK,
+        Colour::Olive => OLIVE,
+        Colour::Stone => STONE,
+    };
+    Some(Look { colour, marker: look.marker })
+}
 
-/// Engines with a place of their own, so that they look the same in every report.
-const KNOWN: [(&str, Look); 10] = [
-    ("rattle", Look { colour: BLUE, marker: Marker::Circle }),
-    ("rattle:order=8", Look { colour: GREEN, marker: Marker::TriangleDown }),
-    ("galerkin", Look { colour: SKY, marker: Marker::Diamond }),
-    ("dop853", Look { colour: BLACK, marker: Marker::Square }),
-    ("rk4", Look { colour: STONE, marker: Marker::Triangle }),
-    ("semi_implicit_euler", Look { colour: OLIVE, marker: Marker::Circle }),
-    (BEST_OF_RAPIER, Look { colour: ORANGE, marker: Marker::Triangle }),
-    ("rapier", Look { colour: VERMILLION, marker: Marker::Square }),
-    ("rapier:preset=strong", Look { colour: ORANGE, marker: Marker::Triangle }),
-    ("rapier:joints=multibody,precision=f64", Look { colour: PURPLE, marker: Marker::Diamond }),
-];
-
-/// Cool colours for variational engines, warm ones for rapier, for engines without a place of their own.
+// For settings without a look of their own: cool colours for our engines, warm ones for those of other programs, and for
+// engines of other versions what these have least of.
 const COOL: [RGBColor; 7] = [GREEN, SKY, BLACK, NAVY, TEAL, LIME, BLUE];
 const WARM: [RGBColor; 6] = [BROWN, OLIVE, STONE, ORANGE, PURPLE, VERMILLION];
+const NEUTRAL: [RGBColor; 6] = [STONE, TEAL, BROWN, LIME, NAVY, OLIVE];
 const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Triangle, Marker::Square, Marker::Circle];
 
 /// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of a
@@ -112,10 +108,9 @@ pub fn looks_of<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, Look)
             engines.push(name);
         }
     }
-    let known = |engine: &str| KNOWN.iter().find(|(name, _)| *name == engine).map(|(_, look)| *look);
-    let mut taken: Vec<Look> = engines.iter().filter_map(|engine| known(engine)).collect();
+    let mut taken: Vec<Look> = engines.iter().filter_map(|engine| own(engine)).collect();
     let mut look_of = |engine| {
-        known(engine).unwrap_or_else(|| {
+        own(engine).unwrap_or_else(|| {
             let look = free_look(engine, &taken);
             taken.push(look);
             look
@@ -126,7 +121,11 @@ pub fn looks_of<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, Look)
 
 /// A colour that is not taken, else a colour and marker that are not taken together.
 fn free_look(engine: &str, taken: &[Look]) -> Look {
-    let palette: &[RGBColor] = if engine.starts_with("rapier") { &WARM } else { &COOL };
+    let palette: &[RGBColor] = match engines::group_of(engine).origin {
+        Origin::Own => &COOL,
+        Origin::Foreign => &WARM,
+        Origin::Unknown => &NEUTRAL,
+    };
     let free = MARKERS.iter().find(|marker| taken.iter().all(|look| look.marker != **marker));
     let marker = *free.unwrap_or(&MARKERS[taken.len() % MARKERS.len()]);
     let colour = palette.iter().find(|colour| taken.iter().all(|look| look.colour != **colour));
@@ -140,10 +139,12 @@ fn free_look(engine: &str, taken: &[Look]) -> Look {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engines::ENGINES;
 
     #[test]
     fn engines_look_different() {
-        let mut taken: Vec<Look> = KNOWN.iter().map(|(_, look)| *look).collect();
+        let contestants = ENGINES.iter().flat_map(|entry| entry.contestants);
+        let mut taken: Vec<Look> = contestants.filter_map(|contestant| own(contestant.spec)).collect();
         for i in 0..16 {
             let look = free_look(if i % 2 == 0 { "rapier:substeps=1" } else { "rattle:order=4" }, &taken);
             assert!(!taken.contains(&look), "{i}: {look:?}");

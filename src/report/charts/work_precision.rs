@@ -5,8 +5,8 @@ use super::axis::Axis;
 use super::canvas::{self, ChartError};
 use super::chart::Chart;
 use super::panel::{Label, Panel, Words};
-use super::style::BEST_OF_RAPIER;
 use super::{legend, style};
+use crate::engines::{tolerance, tuned};
 use crate::report::record::front::{self, cost, error, family};
 use crate::report::record::report::Report;
 use crate::report::record::run::Run;
@@ -22,12 +22,11 @@ pub const CHART: Chart = Chart {
 /// Smallest error shown, a power of ten.
 const FLOOR: i32 = -16;
 
-/// The engine whose default settings have a line of their own.
-const RAPIER: &str = "rapier";
-
 /// A line of the chart.
 struct Line<'a> {
     name: &'a str,
+    /// Whether it is that of the default settings of an engine whose best have one too.
+    default: bool,
     /// What it joins.
     front: Vec<&'a Run>,
     /// All that was tried.
@@ -64,7 +63,7 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         let mut labels = Vec::new();
         for (line, (_, look)) in lines.iter().zip(&looks).rev() {
             let joined = points(&line.front);
-            panel.line(&joined, *look, 3, line.name == RAPIER)?;
+            panel.line(&joined, *look, 3, line.default)?;
             joined.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
             labels.extend(settings(&line.front).into_iter().map(|(point, words)| Label { point, words, look: *look }));
             drawn.push(joined);
@@ -74,25 +73,35 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     .map(Some)
 }
 
-/// A front for each engine, rapier's under a name of its own beside the line of its default settings.
+/// A front for each engine, that of a tuned one under a name of its own beside the line of its default settings.
 fn lines<'a>(runs: &[&'a Run]) -> Vec<Line<'a>> {
     let mut lines: Vec<Line> = Vec::new();
     for run in runs {
-        let name = family(&run.engine);
-        let name = if name == RAPIER { BEST_OF_RAPIER } else { name };
+        let name = tuned(&run.engine).map_or(family(&run.engine), |tuned| tuned.best);
         match lines.iter_mut().find(|line| line.name == name) {
             Some(line) => line.all.push(run),
-            None => lines.push(Line { name, front: Vec::new(), all: vec![run] }),
+            None => lines.push(Line { name, default: false, front: Vec::new(), all: vec![run] }),
         }
     }
     for line in &mut lines {
         line.front = front::front(&line.all);
     }
-    let default: Vec<&Run> = runs.iter().copied().filter(|r| r.engine == RAPIER).collect();
-    if !default.is_empty() {
-        lines.push(Line { name: RAPIER, front: default, all: Vec::new() });
+    for name in tuned_defaults(runs.iter().copied()) {
+        let front = runs.iter().copied().filter(|run| run.engine == name).collect();
+        lines.push(Line { name, default: true, front, all: Vec::new() });
     }
     lines
+}
+
+/// Names of the tuned engines that ran with their default settings.
+fn tuned_defaults<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for run in runs.filter(|run| run.engine == family(&run.engine) && tuned(&run.engine).is_some()) {
+        if !names.contains(&run.engine.as_str()) {
+            names.push(&run.engine);
+        }
+    }
+    names
 }
 
 fn points(runs: &[&Run]) -> Vec<(f64, f64)> {
@@ -108,8 +117,7 @@ fn settings(front: &[&Run]) -> Vec<((f64, f64), String)> {
         let (Some(x), Some(y)) = (cost(run), error(run)) else { continue };
         let settings = run.engine.split_once(':').map(|(_, settings)| settings);
         match settings.filter(|words| changed && words.len() <= 16) {
-            Some(words) if words.starts_with("tolerance=") => found.push(((x, y), words.replace("tolerance=", "tol "))),
-            Some(words) => found.push(((x, y), format!("{words}, {}", duration(run.step_s)))),
+            Some(words) => found.push(((x, y), labelled(run, words))),
             None if i == 0 || i == last => found.push(((x, y), duration(run.step_s))),
             None => {}
         }
@@ -117,12 +125,20 @@ fn settings(front: &[&Run]) -> Vec<((f64, f64), String)> {
     found
 }
 
+/// Settings with the step of the run, but for an engine whose error a tolerance among them controls.
+fn labelled(run: &Run, settings: &str) -> String {
+    match tolerance(&run.engine) {
+        Some((key, _)) => settings.replace(&format!("{key}="), "tol "),
+        None => format!("{settings}, {}", duration(run.step_s)),
+    }
+}
+
 fn notes(report: &Report) -> Vec<String> {
     let Some(sweep) = &report.sweep else { return Vec::new() };
     let lost = sweep.runs.iter().filter(|r| cost(r).is_none()).count();
     let mut notes = Vec::new();
-    if sweep.runs.iter().any(|r| r.engine == RAPIER) {
-        notes.push("rapier, dashed: its default settings, in single precision.".to_string());
+    for name in tuned_defaults(sweep.runs.iter()) {
+        notes.extend(tuned(name).map(|tuned| format!("{name}, dashed: {}.", tuned.default)));
     }
     if lost > 0 {
         notes.push(format!("{lost} of {} runs did not reach the end and are not shown.", sweep.runs.len()));

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::environment::{self, Versions};
-use crate::engines::Spec;
+use crate::engines::{Role, Spec, line_up};
 use crate::measure::stability::{Cell, Class, FAMILIES, Family, Finding};
 
 /// Name and version of the format.
@@ -193,8 +193,8 @@ impl SuiteRecord {
 
     /// Engine specs of a family.
     pub fn engines_of(&self, family: &Family) -> Vec<String> {
-        let more = family.explicit.iter().filter(|_| self.explicit).map(|text| text.to_string());
-        self.engines.iter().cloned().chain(more).collect()
+        let more = if self.explicit && family.explicit { line_up(Role::Explicit) } else { Vec::new() };
+        self.engines.iter().cloned().chain(more.into_iter().map(str::to_string)).collect()
     }
 
     fn family(&self, name: &str) -> Result<&'static Family, IncompleteError> {

@@ -5,10 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::front;
 use super::run::Run;
-use crate::engines::Spec;
+use crate::engines::named;
 use crate::measure::convergence::{self, Verdict};
 use crate::measure::cost::ranking::{self, Place};
-use crate::measure::cost::sweep::chooses_steps;
 use crate::measure::run::Run as MeasuredRun;
 use crate::measure::study::Sweep as MeasuredSweep;
 use crate::mechanics::System;
@@ -85,7 +84,7 @@ impl Sweep {
 
 /// For every engine that was run at several step sizes. One that chooses its own has none.
 fn convergence(runs: &[Run], reference_error: f64) -> Vec<Convergence> {
-    let fixed_steps = |run: &Run| !Spec::parse(&run.engine).is_ok_and(|spec| chooses_steps(&spec));
+    let fixed_steps = |run: &Run| named(&run.engine).is_none_or(|entry| entry.tolerance.is_none());
     runs.chunk_by(|a, b| a.engine == b.engine)
         .filter(|runs| fixed_steps(&runs[0]))
         .filter_map(|runs| {

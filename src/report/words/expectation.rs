@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::number::{duration, plain, power_of_ten, written};
+use crate::engines::tolerance;
 use crate::measure::cost::ranking;
 use crate::report::record::front::{self, family};
 use crate::report::record::run::Run;
@@ -191,9 +192,9 @@ fn energy(runs: &[&Run], engine: &'static str) -> Option<Expectation> {
 
 /// `rattle:order=8 at 20 ms`; the step of an engine with a tolerance says only how often its state was read.
 fn setting(run: &Run) -> String {
-    match run.engine.contains("tolerance=") {
-        true => run.engine.clone(),
-        false => format!("{} at {}", run.engine, duration(run.step_s)),
+    match tolerance(&run.engine) {
+        Some(_) => run.engine.clone(),
+        None => format!("{} at {}", run.engine, duration(run.step_s)),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What an accuracy costs, and how errors fall with the step: the tables of the sweep, for the terminal and the page.
 
 use super::number::{duration, plain, power_of_ten, short};
+use crate::engines::tolerance;
 use crate::report::record::sweep::{Cheapest, Sweep, Target};
 
 /// A table of words: its heading row, then its rows.
@@ -35,7 +36,7 @@ pub fn setting(e: &Cheapest) -> String {
     let step = duration(e.step_s);
     match e.engine.split_once(':') {
         // The step of an engine with a tolerance says only how often its state was read.
-        Some((_, settings)) if settings.contains("tolerance=") => format!("({settings})"),
+        Some((_, settings)) if tolerance(&e.engine).is_some() => format!("({settings})"),
         Some((_, settings)) => format!("({settings}, {step})"),
         None => format!("({step})"),
     }
@@ -102,9 +103,9 @@ pub fn sentence(sweep: &Sweep) -> Option<String> {
 
 /// `rattle:order=8 at 20 ms`.
 fn named(e: &Cheapest) -> String {
-    match e.engine.contains("tolerance=") {
-        true => e.engine.clone(),
-        false => format!("{} at {}", e.engine, duration(e.step_s)),
+    match tolerance(&e.engine) {
+        Some(_) => e.engine.clone(),
+        None => format!("{} at {}", e.engine, duration(e.step_s)),
     }
 }
 

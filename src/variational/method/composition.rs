@@ -37,6 +37,8 @@ use crate::variational::rattle::{Failure, Rattle};
 /// Symmetric weights, given by their first half; the middle weight is what the sum leaves over.
 #[derive(Clone, Copy, Debug)]
 pub struct Composition {
+    /// As in specs.
+    pub name: &'static str,
     pub order: u32,
     /// `w_1 ... w_k`; the full row is `w_1 ... w_k, 1 - 2 sum, w_k ... w_1`.
     half: &'static [f64],
@@ -44,10 +46,11 @@ pub struct Composition {
 }
 
 /// RATTLE itself.
-pub const ORDER_2: Composition = Composition { order: 2, half: &[], source: "RATTLE" };
+pub const ORDER_2: Composition = Composition { name: "2", order: 2, half: &[], source: "RATTLE" };
 
 /// Five stages with the weight `1 / (4 - 4^(1/3))`.
 pub const ORDER_4: Composition = Composition {
+    name: "4",
     order: 4,
     half: &[0.4144907717943757371423540628607615, 0.4144907717943757371423540628607615],
     source: "Suzuki 1990",
@@ -55,6 +58,7 @@ pub const ORDER_4: Composition = Composition {
 
 /// Thirteen stages.
 pub const ORDER_6: Composition = Composition {
+    name: "6",
     order: 6,
     half: &[
         0.13861930854051695245808013042625,
@@ -69,6 +73,7 @@ pub const ORDER_6: Composition = Composition {
 
 /// Seventeen stages.
 pub const ORDER_8: Composition = Composition {
+    name: "8",
     order: 8,
     half: &[
         0.13020248308889008087881763,

@@ -9,8 +9,9 @@ use super::super::rapier::prelude::{
 };
 use super::super::{PRECISION, narrow};
 use super::convert::{pose, vector};
-use super::{Seat, Settings};
-use crate::engines::Unsupported;
+use super::seat::Seat;
+use crate::engines::engine::Unsupported;
+use crate::engines::rapier::settings::Settings;
 use crate::mechanics::{Body, Joint, JointSpring, System};
 
 /// Rapier takes what is below it for zero when it inverts (`INV_EPSILON` of its `utils`).
@@ -61,15 +62,15 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
         let name = &body.joint.name;
         let spring = system.joint_spring(i);
         let whose = format!("of joint '{name}'");
-        check_spring(spring.stiffness, spring.damping, substep, !settings.multibody, &whose)?;
+        check_spring(spring.stiffness, spring.damping, substep, !settings.joints.are_coordinates(), &whose)?;
         let wound = system.initial_coordinates[i].position[0] - spring.rest;
         let turns = spring.stiffness > 0.0 && body.joint.kind.angle_index().is_some() && wound.abs() > PI;
-        if turns && !settings.multibody {
+        if turns && !settings.joints.are_coordinates() {
             return Err(format!("a spring {whose} wound up by {wound:.3} rad: a motor knows angles modulo a turn"));
         }
     }
     for (i, spring) in system.parts.point_springs.iter().enumerate() {
-        if settings.multibody {
+        if settings.joints.are_coordinates() {
             return Err("springs between points with joints=multibody: a spring joint does not act on its links".into());
         }
         check_spring(spring.stiffness, spring.damping, substep, true, &format!("of point spring {i}"))?;
@@ -145,7 +146,7 @@ fn insert_joints(
             Some(parent) => handles[parent],
             None => physics.insert_body(RigidBodyBuilder::fixed()),
         };
-        if settings.multibody {
+        if settings.joints.are_coordinates() {
             let inserted = physics.multibody_joints.insert(parent, child, data, true);
             inserted.ok_or_else(|| Unsupported {
                 engine: settings.spec.clone(),
@@ -180,7 +181,7 @@ fn generic_joint(joint: &Joint, spring: &JointSpring, settings: &Settings) -> Ge
     data.local_frame1 = pose(&joint.in_parent);
     data.local_frame2 = pose(&joint.in_child);
     data.softness = SpringCoefficients::new(narrow(settings.softness), narrow(settings.damping_ratio));
-    if (spring.stiffness > 0.0 || spring.damping > 0.0) && !settings.multibody {
+    if (spring.stiffness > 0.0 || spring.damping > 0.0) && !settings.joints.are_coordinates() {
         let (rest, stiffness, damping) = (narrow(spring.rest), narrow(spring.stiffness), narrow(spring.damping));
         for axis in (0..6).filter(|&i| free[i]).map(|i| AXES[i]) {
             data.set_motor_model(axis, MotorModel::ForceBased);

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
 use super::super::rapier::math::{Pose, Rotation, Vector};
 use super::super::{narrow, widen};
-use super::Motion;
+use super::seat::Motion;
 use crate::mechanics::BodyState;
 
 pub(super) fn vector(v: &Vector3<f64>) -> Vector {

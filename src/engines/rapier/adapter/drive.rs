@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::super::rapier::prelude::{PhysicsWorld, RigidBodyHandle};
-use super::Seat;
 use super::convert::{attitude_of, vector, vector_of};
+use super::seat::Seat;
 use crate::mechanics::{Drive, System};
 
 /// The drives of one joint.

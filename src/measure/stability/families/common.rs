@@ -7,9 +7,6 @@ use crate::model::assemble::{Assembly, Mount};
 use crate::model::scene::{FixedFrame, JointInitial, Loop, LoopKind};
 use crate::model::{Inertial, Scene};
 
-/// Methods of the textbook in joint coordinates, with forces at the present state.
-pub(super) const EXPLICIT: [&str; 2] = ["rk4", "semi_implicit_euler"];
-
 /// What most scans have in common.
 pub(super) const SCAN: Scan = Scan {
     name: "",

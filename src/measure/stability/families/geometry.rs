@@ -14,7 +14,7 @@ pub(super) static FAMILY: Family = Family {
     name: "geometry",
     title: "Extreme geometry",
     question: "do size, shape and singular positions matter?",
-    explicit: &[],
+    explicit: false,
     scans: &[
         Scan {
             name: "size",

@@ -24,7 +24,7 @@ pub(super) static FAMILY: Family = Family {
     name: "length",
     title: "Long chains",
     question: "do joints and energy hold when a chain has many links?",
-    explicit: &[],
+    explicit: false,
     scans: &[
         Scan {
             name: "hanging",

@@ -23,7 +23,7 @@ pub(super) static FAMILY: Family = Family {
     name: "mass_ratio",
     title: "Mass ratios",
     question: "does a light link keep a heavy one?",
-    explicit: &[],
+    explicit: false,
     scans: &[
         Scan { name: "tip_of_2", title: "two rods, the last light or heavy", scene: |r| tip(2, r), ..TIP },
         Scan { name: "tip_of_5", title: "five rods, the last light or heavy", scene: |r| tip(5, r), ..TIP },

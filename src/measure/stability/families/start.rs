@@ -15,7 +15,7 @@ pub(super) static FAMILY: Family = Family {
     name: "start",
     title: "Initial states",
     question: "is a state that is legal but odd taken as it is meant, and one that is impossible refused?",
-    explicit: &[],
+    explicit: false,
     scans: &[
         Scan {
             name: "angle",

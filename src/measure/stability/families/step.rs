@@ -1,13 +1,13 @@
 //! Tiny steps, and very many of them.
 
-use super::common::{EXPLICIT, FINE, SCAN, chain};
+use super::common::{FINE, SCAN, chain};
 use crate::measure::stability::scan::{Family, Length, Scan};
 
 pub(super) static FAMILY: Family = Family {
     name: "step",
     title: "Tiny steps and long runs",
     question: "does roundoff stay out when steps are tiny or very many?",
-    explicit: &EXPLICIT,
+    explicit: true,
     scans: &[
         Scan {
             name: "size",

@@ -1,8 +1,10 @@
+//! What an engine holds of a system in data of its own.
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::mechanics::{Body, State, System, energy};
 
-/// What rapier holds of a system, in double precision and our terms.
+/// What an engine holds of a system, in double precision and our terms.
 #[derive(Clone, Debug)]
 pub struct Held {
     /// m/s^2, world axes
@@ -10,11 +12,11 @@ pub struct Held {
     /// In the order of [`System::bodies`].
     pub bodies: Vec<HeldBody>,
     pub state: State,
-    /// Whether rapier keeps all this in single precision.
+    /// Whether the engine keeps all this in single precision.
     pub single: bool,
 }
 
-/// Mass properties of one of rapier's bodies.
+/// Mass properties of one of the engine's bodies.
 #[derive(Clone, Debug)]
 pub struct HeldBody {
     /// kg; what the solver uses for each world axis.
@@ -28,8 +30,8 @@ pub struct HeldBody {
 }
 
 impl Held {
-    /// Our system with rapier's masses, moments, gravity and state in the place of ours, so that energy and momentum of
-    /// what rapier holds come from the functions that measure every engine. Joints are ours.
+    /// Our system with the engine's masses, moments, gravity and state in the place of ours, so that energy and momentum of
+    /// what it holds come from the functions that measure every engine. Joints are ours.
     pub fn as_system(&self, system: &System) -> System {
         let bodies = system.bodies.iter().zip(&self.bodies).map(|(ours, held)| Body {
             mass: held.mass.x,

@@ -42,19 +42,14 @@ pub(super) static ROTATION: Choice<Turning> = Choice {
               limit; auto moves a body from the first to splitting, once, when it turns too fast",
 };
 
-pub(super) static METHOD: Choice<&'static Facts> = Choice {
-    name: "method",
-    words: &METHOD_WORDS,
-    summary: "the map of one step: rattle, the same by the midpoint rule, the two symplectic Euler maps (order 1), rattle in \
-              positions, Lobatto IIIA-IIIB (order 2 stages - 2), or energy_momentum: rattle with steps of its own, from \
-              the run's step on, that hold the discrete energy to roundoff and end, by name, where none does",
-};
+pub(super) static METHOD: Choice<&'static Facts> =
+    Choice { name: "method", words: &METHOD_WORDS, summary: "the map of one step" };
 
 const METHOD_WORDS: [Word<&'static Facts>; METHODS.len()] = {
     let mut words = [Word::new("", &METHODS[0]); METHODS.len()];
     let mut i = 0;
     while i < words.len() {
-        words[i] = Word::new(METHODS[i].name, &METHODS[i]);
+        words[i] = Word::meaning(METHODS[i].name, METHODS[i].summary, &METHODS[i]);
         i += 1;
     }
     words

@@ -92,7 +92,10 @@ pub const METHODS: &[Facts] = &[
         rotation_rules: true,
         steps: Steps::GivenOrAdaptive,
         refuses: NOTHING,
-        remark: None,
+        remark: Some(
+            "method=midpoint is the map of method=rattle: on positions and attitude matrices the kinetic energy does not depend \
+             on the position and gravity is constant, so that both discrete Lagrangians are the same",
+        ),
     },
     Facts {
         kind: Kind::EulerA,

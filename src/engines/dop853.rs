@@ -1,10 +1,11 @@
 //! The Dormand-Prince pair of order 8(5,3) at a tolerance, in joint coordinates with articulated-body accelerations.
 //!
-//! Method, error estimate and step control are those of DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential
-//! Equations I, 2nd ed. 1993, section II.10); the coefficients are those of the crate `differential-equations`, whose
-//! own stepping makes three more evaluations for a dense output and allocates. 12 evaluations a step here, no
-//! allocation. The integration lands on every step of the run: to let the tolerance set the cost, take a step that
-//! is longer than its own. Not symplectic: its energy drifts in proportion to time, the more the looser the tolerance.
+//! Method, error estimate and step control are those of DOP853 (Hairer, Norsett and Wanner, Solving Ordinary
+//! Differential Equations I, 2nd ed. 1993, section II.10); the coefficients are those of the crate
+//! `differential-equations`, whose own stepping makes three more evaluations for a dense output and allocates. 12
+//! evaluations a step here, no allocation. The integration lands on every step of the run: to let the tolerance set the
+//! cost, take a step that is longer than its own. Not symplectic: its energy drifts in proportion to time, the more the
+//! looser the tolerance.
 
 use differential_equations::tableau::ButcherTableau;
 

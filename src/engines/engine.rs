@@ -2,7 +2,8 @@
 
 use crate::mechanics::State;
 
-/// Something that advances a system by a fixed step, on the thread that calls it: runs are timed by that thread's clock.
+/// Something that advances a system by a fixed step, on the thread that calls it: runs are timed by that thread's
+/// clock.
 pub trait Engine {
     /// Advances by one step. After a failure the engine stays at the last state that it reached.
     fn step(&mut self) -> Result<(), StepFailure>;
@@ -10,8 +11,8 @@ pub trait Engine {
     /// Writes the present state into `out`, which has as many bodies as the system.
     fn write_state(&self, out: &mut State);
 
-    /// By how much the time of a state's positions is ahead of that of its velocities, s: the potential energy that goes with
-    /// the velocities is the one at `x - lag * v`. Zero for engines whose state belongs to one time.
+    /// By how much the time of a state's positions is ahead of that of its velocities, s: the potential energy that
+    /// goes with the velocities is the one at `x - lag * v`. Zero for engines whose state belongs to one time.
     fn position_lag_s(&self) -> f64 {
         0.0
     }

@@ -83,11 +83,12 @@ fn describe(failure: Failure, time: f64, step: f64) -> String {
              {correction:.1e} of the scene's velocities), nor by Newton's method; take a smaller step"
         ),
         Failure::RanAway { rounds } => format!(
-            "t = {time:.6} s: the stages run away after {rounds} rounds at a step of {step} s, and Newton's method does not \
-             find them either; take a smaller step"
+            "t = {time:.6} s: the stages run away after {rounds} rounds at a step of {step} s, and Newton's method \
+             does not find them either; take a smaller step"
         ),
         Failure::Singular => format!(
-            "t = {time:.6} s: a joint can move without moving any mass, or the stages run away at once at a step of {step} s"
+            "t = {time:.6} s: a joint can move without moving any mass, or the stages run away at once at a step of \
+             {step} s"
         ),
     }
 }

@@ -30,8 +30,8 @@ pub struct HeldBody {
 }
 
 impl Held {
-    /// Our system with the engine's masses, moments, gravity and state in the place of ours, so that energy and momentum of
-    /// what it holds come from the functions that measure every engine. Joints are ours.
+    /// Our system with the engine's masses, moments, gravity and state in the place of ours, so that energy and
+    /// momentum of what it holds come from the functions that measure every engine. Joints are ours.
     pub fn as_system(&self, system: &System) -> System {
         let bodies = system.bodies.iter().zip(&self.bodies).map(|(ours, held)| Body {
             mass: held.mass.x,

@@ -21,8 +21,8 @@ pub enum Role {
     Stability,
     /// In the families of `stability` that show the borders of explicit methods.
     Explicit,
-    /// In `check --controls`, in the place of the engine that a bound is about: does not conserve energy over long times, or not
-    /// to high order.
+    /// In `check --controls`, in the place of the engine that a bound is about: does not conserve energy over long
+    /// times, or not to high order.
     Control,
 }
 

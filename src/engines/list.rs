@@ -53,7 +53,8 @@ pub fn group_of(spec: &str) -> &'static Group {
     named(spec).map_or(&OTHERS, |entry| entry.group)
 }
 
-/// All groups in the order of panels: those of other programs, then our own, then engines that this version does not have.
+/// All groups in the order of panels: those of other programs, then our own, then engines that this version does not
+/// have.
 pub fn groups() -> Vec<&'static Group> {
     let mut groups: Vec<&Group> = Vec::new();
     for group in ENGINES.iter().map(|entry| entry.group).chain([&OTHERS]) {

@@ -2,9 +2,9 @@
 //!
 //! An engine is named by a [`Spec`] such as `rattle` or `rapier:joints=multibody,precision=f64`, is built for one
 //! [`System`](crate::mechanics::System) and one step size, and hands out states in the form of
-//! [`State`](crate::mechanics::State). It is never asked for its own energy: every figure is computed from its states by
-//! `measure`. What the rest of the program asks of an engine (keys, line-ups, sweep, colours, cost, parity) stands in its
-//! [`Entry`], and no other file names it.
+//! [`State`](crate::mechanics::State). It is never asked for its own energy: every figure is computed from its states
+//! by `measure`. What the rest of the program asks of an engine (keys, line-ups, sweep, colours, cost, parity) stands
+//! in its [`Entry`], and no other file names it.
 
 mod dop853;
 mod engine;

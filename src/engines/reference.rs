@@ -1,10 +1,11 @@
 //! The way to the truth: dense equations of motion in joint coordinates, integrated at a tolerance near roundoff.
 //!
 //! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`Dynamics`]), integrated by the
-//! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.10)
-//! of the crate `differential-equations`. Neither shares code with the variational core. Loops and mimic joints are held by
-//! the least force that does, and positions and velocities are taken back to the constraint manifold after each accepted
-//! step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its error estimate.
+//! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section
+//! II.10) of the crate `differential-equations`. Neither shares code with the variational core. Loops and mimic joints
+//! are held by the least force that does, and positions and velocities are taken back to the constraint manifold after
+//! each accepted step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its
+//! error estimate.
 //!
 //! The crate allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
 //! accuracy and is no rival in speed. `dop853` is.
@@ -35,7 +36,8 @@ pub const METHOD: &str = "joint coordinates, mass matrix and recursive Newton-Eu
 
 pub(super) const ENTRY: Entry = Entry {
     name: "reference",
-    summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of 1e-14",
+    summary: "joint coordinates by mass matrix and recursive Newton-Euler, Dormand-Prince order 8 at a tolerance of \
+              1e-14",
     keys: &[],
     parts: &[Part::Loops, Part::Mimics, Part::JointSprings, Part::PointSprings, Part::Drives],
     group: &GROUP,
@@ -86,8 +88,9 @@ pub struct Trajectory {
     pub states: Vec<State>,
     /// The states of the looser tolerance.
     pub looser: Vec<State>,
-    /// Distance of the two at each time: the largest displacement of a centre of mass (m) or rotation (rad). It estimates
-    /// the error of the looser run, and so bounds that of `states` from above as long as both are far from chaos.
+    /// Distance of the two at each time: the largest displacement of a centre of mass (m) or rotation (rad). It
+    /// estimates the error of the looser run, and so bounds that of `states` from above as long as both are far from
+    /// chaos.
     pub error_estimate: Vec<f64>,
     /// How it was computed, in words.
     pub method: String,
@@ -169,7 +172,8 @@ fn follow(
     Ok((Trajectory { times, states, looser, error_estimate, method: METHOD.to_string() }, failure))
 }
 
-/// The largest displacement of a centre of mass (m) or rotation of a body (rad) between two states. NaN where either is.
+/// The largest displacement of a centre of mass (m) or rotation of a body (rad) between two states. NaN where either
+/// is.
 pub fn distance(a: &State, b: &State) -> f64 {
     a.bodies.iter().zip(&b.bodies).fold(0.0, |largest: f64, (a, b)| {
         let (shift, turn) = ((a.position - b.position).norm(), a.attitude.angle_to(&b.attitude));
@@ -236,7 +240,8 @@ impl Integration {
             if rest <= 4.0 * f64::EPSILON * time {
                 return Ok(());
             }
-            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the next.
+            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the
+            // next.
             let natural = self.method.h();
             let shortened = natural > 0.5 * rest;
             if shortened {
@@ -264,7 +269,8 @@ impl Integration {
         let (name, open) = dynamics.project(q, v).ok_or_else(|| failure(time))?;
         if !(open <= CLOSED) {
             let detail = format!(
-                "t = {time:.6} s: {name} stays open by {open:.1e} m or rad: its constraints here are not those of the start"
+                "t = {time:.6} s: {name} stays open by {open:.1e} m or rad: its constraints here are not those of the \
+                 start"
             );
             return Err(StepFailure::Diverged { detail });
         }

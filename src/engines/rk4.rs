@@ -1,7 +1,7 @@
 //! The classical Runge-Kutta method of order 4 in joint coordinates, articulated-body accelerations.
 //!
-//! Accurate on short smooth runs; not symplectic: its energy drifts in proportion to time. Quaternions are normalised after
-//! each step.
+//! Accurate on short smooth runs; not symplectic: its energy drifts in proportion to time. Quaternions are normalised
+//! after each step.
 
 use super::engine::{Engine, StepFailure, Unsupported};
 use super::entry::{Entry, is_converged};

@@ -4,8 +4,8 @@
 //! v1 = v0 + h a(q0, v0) ,     q1 = q0 moved by h v1
 //! ```
 //!
-//! Order 1. It is the symplectic Euler method only where the mass matrix is constant: on velocities instead of momenta, with
-//! a mass matrix that depends on the positions, it is not symplectic.
+//! Order 1. It is the symplectic Euler method only where the mass matrix is constant: on velocities instead of momenta,
+//! with a mass matrix that depends on the positions, it is not symplectic.
 
 use super::engine::{Engine, StepFailure, Unsupported};
 use super::entry::{Entry, is_converged};
@@ -17,7 +17,8 @@ use crate::mechanics::{State, System};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "semi_implicit_euler",
-    summary: "semi-implicit Euler on joint coordinates, what robotics engines do: order 1, symplectic only at constant mass matrix",
+    summary: "semi-implicit Euler on joint coordinates, what robotics engines do: order 1, symplectic only at \
+              constant mass matrix",
     keys: &[],
     parts: PARTS,
     group: &GROUP,

@@ -110,8 +110,8 @@ pub fn faulty(spec: &Spec, system: &System, step: f64, fault: Fault) -> Result<B
     rattle::faulty(&spec.values, system, step, fault)
 }
 
-/// What an engine holds of a system before the first step, read back from its own data: the evidence that it simulates the same
-/// system. `None` for engines that compute on the [`System`] itself, and where the engine cannot be built.
+/// What an engine holds of a system before the first step, read back from its own data: the evidence that it simulates
+/// the same system. `None` for engines that compute on the [`System`] itself, and where the engine cannot be built.
 pub fn held(spec: &Spec, system: &System, step: f64) -> Option<Held> {
     spec.entry.hold.and_then(|hold| hold(&spec.values, system, step).ok())
 }

@@ -5,8 +5,8 @@ use crate::mechanics::State;
 
 /// A map from the state at one time to that a step later.
 pub trait Map: Clone {
-    /// Whether a step that fails leaves the state before it (that after it where it ends in a singular configuration). Otherwise
-    /// it may be any state on the way.
+    /// Whether a step that fails leaves the state before it (that after it where it ends in a singular configuration).
+    /// Otherwise it may be any state on the way.
     const STAYS_ON_FAILURE: bool;
 
     /// Takes one step of size `h` (s), backwards where that is negative.
@@ -21,8 +21,8 @@ pub trait Map: Clone {
     /// The RATTLE map that takes the steps, for what it knows of the motion; `None` where another one does.
     fn rattle(&self) -> Option<&Rattle>;
 
-    /// A copy at the start of the step of size `h` (s) that has just failed, as near as the map is reversible; `None` where it
-    /// cannot go back.
+    /// A copy at the start of the step of size `h` (s) that has just failed, as near as the map is reversible; `None`
+    /// where it cannot go back.
     fn before_failure(&self, h: f64) -> Option<Self>;
 
     /// The step that is next in a sequence of the map's own; `None` where it takes those that are asked for.

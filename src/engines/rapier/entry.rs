@@ -52,8 +52,8 @@ const CONTESTANTS: &[Contestant] = &[
     },
 ];
 
-/// Single precision as it comes, then double precision over substeps, Gauss-Seidel iterations and stabilisation, then reduced
-/// coordinates.
+/// Single precision as it comes, then double precision over substeps, Gauss-Seidel iterations and stabilisation, then
+/// reduced coordinates.
 const SWEEP: &[Swept] = &[
     Swept::both("rapier", SHORTEST_STEPS, QUICK_SHORT_STEPS),
     Swept::full("rapier:substeps=1,iterations=4,stabilization=0", SHORT_STEPS),
@@ -100,8 +100,8 @@ fn hold(spec: &Values, system: &System, step: f64) -> Result<Held, Unsupported> 
     })
 }
 
-/// Impulse joints that do not yield and that are solved to the end in one substep, in the precision of a spec: how rapier moves
-/// then is how the system moves that it holds. Multibody joints leave nothing to solve.
+/// Impulse joints that do not yield and that are solved to the end in one substep, in the precision of a spec: how
+/// rapier moves then is how the system moves that it holds. Multibody joints leave nothing to solve.
 fn converged(spec: &Values) -> Option<String> {
     let settings = Settings::new(spec);
     let precision = match settings.precision {

@@ -15,9 +15,9 @@
 //! A spring in a joint is, with its damper and that of the joint, one motor with a target position (impulse joints), or
 //! the spring that each coordinate of a multibody may have; both are implicit (backward Euler), and so they take energy
 //! out. The motor knows its angle modulo a turn: a torsion spring that winds up further than half a turn from its rest
-//! pulls the wrong way. A spring between points is rapier's `SpringJoint`, which does not act on the links of a multibody.
-//! A drive is a torque on the two bodies of a hinge, or a force on the line of a slider, as it is at the middle of the
-//! step, along the axis at its beginning; rapier holds it over its substeps.
+//! pulls the wrong way. A spring between points is rapier's `SpringJoint`, which does not act on the links of a
+//! multibody. A drive is a torque on the two bodies of a hinge, or a force on the line of a slider, as it is at the
+//! middle of the step, along the axis at its beginning; rapier holds it over its substeps.
 //!
 //! # What is always set, and differs from rapier's defaults
 //!
@@ -28,16 +28,17 @@
 //! # What its states mean
 //!
 //! A substep of length `h = step / substeps` is semi-implicit: `v1 = v0 + h a(x0)`, `x1 = x0 + h v1`, so velocities
-//! belong to a time `h/2` before the positions and [`Engine::position_lag_s`](crate::engines::Engine::position_lag_s) is `h/2`. Multibody velocities are
-//! computed from the generalized ones, because rapier leaves those of the bodies one substep behind. Single precision is
-//! converted where a state is written; the step size too is rounded to single precision.
+//! belong to a time `h/2` before the positions and [`Engine::position_lag_s`](crate::engines::Engine::position_lag_s)
+//! is `h/2`. Multibody velocities are computed from the generalized ones, because rapier leaves those of the bodies one
+//! substep behind. Single precision is converted where a state is written; the step size too is rounded to single
+//! precision.
 //!
 //! # Limits
 //!
 //! Rapier takes a body whose pose is not finite out of the simulation, with its velocity set to zero: that is reported
-//! as [`StepFailure::Diverged`](crate::engines::StepFailure::Diverged), and the engine stays at the last finite state. Where the
-//! solution for the accelerations of a multibody is not finite, rapier goes on with accelerations of zero and does not
-//! tell. The solver settings except `substeps` do not act on multibody joints.
+//! as [`StepFailure::Diverged`](crate::engines::StepFailure::Diverged), and the engine stays at the last finite state.
+//! Where the solution for the accelerations of a multibody is not finite, rapier goes on with accelerations of zero and
+//! does not tell. The solver settings except `substeps` do not act on multibody joints.
 
 mod double;
 mod entry;

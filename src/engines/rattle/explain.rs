@@ -40,7 +40,8 @@ impl<M: Map> Failed<'_, M> {
         format!("{what}; {cause}; {cure}")
     }
 
-    /// What of the motion is too fast for the step: the turn of a body, or the sway of a body under the forces in its joints.
+    /// What of the motion is too fast for the step: the turn of a body, or the sway of a body under the forces in its
+    /// joints.
     fn cause(&self) -> String {
         let turning = self.before.bodies.iter().map(|body| self.step * body.angular_velocity.norm()).enumerate();
         let (turned, turn) = turning.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
@@ -51,8 +52,8 @@ impl<M: Map> Failed<'_, M> {
         let linkage = self.names.first_spring > 0;
         if sway > turn && sway > if linkage { SWAYS } else { RESOLVED } {
             return format!(
-                "the forces in the joints make body '{}' sway with h omega = {sway:.1}, which the step does not resolve; \
-                 {fastest}",
+                "the forces in the joints make body '{}' sway with h omega = {sway:.1}, which the step does not \
+                 resolve; {fastest}",
                 names[swayed]
             );
         }

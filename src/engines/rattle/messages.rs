@@ -44,26 +44,26 @@ pub(super) fn describe(failure: Failure, time: f64, step: f64, names: &Names) ->
             names.joints[joint]
         ),
         Failure::Loop { index, rounds, residual } if index >= names.first_spring => format!(
-            "t = {time:.6} s: {} does not settle in {rounds} rounds, {residual:.1e} m at a step of {step} s, as where its points \
-             would pass each other within the step; take a smaller step",
+            "t = {time:.6} s: {} does not settle in {rounds} rounds, {residual:.1e} m at a step of {step} s, as where \
+             its points would pass each other within the step; take a smaller step",
             names.bonds[index]
         ),
         Failure::Loop { index, rounds, residual } => format!(
-            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} s; take \
-             a smaller step",
+            "t = {time:.6} s: {} does not close after {rounds} rounds, residual {residual:.1e} m at a step of {step} \
+             s; take a smaller step",
             names.bonds[index]
         ),
         Failure::Leap { gained } => format!(
-            "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic energy from \
-             nowhere; take a smaller step"
+            "t = {time:.6} s: a step of {step} s goes to a false solution only, with {gained:.2} of the kinetic \
+             energy from nowhere; take a smaller step"
         ),
         Failure::Stalled { step } => format!(
             "t = {time:.6} s: a step of {step:.1e} s is too short for the time to advance; take a larger tol or step"
         ),
         Failure::NoStep { step, energy, missed } => format!(
-            "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of {step:.3e} s, \
-             misses it by {:.1e} J, as before a turning point, where it does not depend on the step; use method=rattle, or a \
-             smaller step to come nearer",
+            "t = {time:.6} s: no step near the last one keeps the discrete energy of {energy:.6e} J; the nearest, of \
+             {step:.3e} s, misses it by {:.1e} J, as before a turning point, where it does not depend on the step; \
+             use method=rattle, or a smaller step to come nearer",
             missed.abs()
         ),
         Failure::Singular { joint } => format!(

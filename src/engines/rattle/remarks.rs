@@ -6,11 +6,12 @@ use crate::variational::{Adaptive, EnergyMomentum, Faulty, Lobatto, Map, Rattle}
 
 /// A map that can tell of its steps.
 pub(super) trait Told: Map {
-    /// How they were taken, where that is not as asked: the step is that of the run, s, `taken` the number of its steps.
+    /// How they were taken, where that is not as asked: the step is that of the run, s, `taken` the number of its
+    /// steps.
     fn steps(&self, step: f64, taken: u64) -> Option<String>;
 
-    /// The largest part of its kinetic energy that a linkage took from nowhere or lost in a step, and when, s. Substeps of
-    /// different sizes and signs are not compared.
+    /// The largest part of its kinetic energy that a linkage took from nowhere or lost in a step, and when, s. Substeps
+    /// of different sizes and signs are not compared.
     fn jump(&self) -> Option<(f64, f64)>;
 }
 
@@ -60,8 +61,8 @@ impl<M: Told> Told for Halving<M> {
         let first: Vec<String> = halved.first.iter().map(|&before| format!("{:.6} s", before as f64 * step)).collect();
         (halved.steps > 0).then(|| {
             format!(
-                "on_failure=substep: {} of {taken} steps did not converge and were taken in halves, at the finest in {} \
-                 parts, first at t = {}; the map is not symplectic there",
+                "on_failure=substep: {} of {taken} steps did not converge and were taken in halves, at the finest in \
+                 {} parts, first at t = {}; the map is not symplectic there",
                 halved.steps,
                 1_u32 << halved.most,
                 first.join(", ")

@@ -38,8 +38,8 @@ pub(super) static ROTATION: Choice<Turning> = Choice {
         Word::new("splitting", Turning::By(Rotation::Splitting)),
         Word::new("cayley", Turning::By(Rotation::Cayley)),
     ],
-    summary: "how bodies turn: moser_veselov is RATTLE proper, for less than about 1 rad a step, the others have no such \
-              limit; auto moves a body from the first to splitting, once, when it turns too fast",
+    summary: "how bodies turn: moser_veselov is RATTLE proper, for less than about 1 rad a step, the others have no \
+              such limit; auto moves a body from the first to splitting, once, when it turns too fast",
 };
 
 pub(super) static METHOD: Choice<&'static Facts> =

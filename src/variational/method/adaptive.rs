@@ -1,8 +1,8 @@
 //! RATTLE with a variable step that is time-reversible.
 //!
-//! The step is the reciprocal of a density `rho`, which follows a monitor `U(q, p)` of how fast things happen by an explicit
-//! update that is its own reversal (Barth, Leimkuhler and Reich 1999, cited by Marsden and West 2001; see also Hairer, Lubich
-//! and Wanner 2006, section VIII.3.2):
+//! The step is the reciprocal of a density `rho`, which follows a monitor `U(q, p)` of how fast things happen by an
+//! explicit update that is its own reversal (Barth, Leimkuhler and Reich 1999, cited by Marsden and West 2001; see also
+//! Hairer, Lubich and Wanner 2006, section VIII.3.2):
 //!
 //! ```text
 //! h_{n+1/2} = C sqrt(tol) / rho_{n+1/2}
@@ -11,14 +11,14 @@
 //! ```
 //!
 //! with `K_b` the kinetic energy of a body, `Omega_b` its angular velocity, `E` the energy scale of the system and
-//! `U0^2 = |g|/l + (1 rad/s)^2` for the mean length `l` of a link. The geometric mean of (1), instead of the arithmetic one of
-//! the paper, keeps `rho` positive. The second term of (2) makes the energy error of a step, which is about
-//! `h^2/12 sum K_b |Omega_b|^2`, a part of `tol` of `E`; the third keeps `h |Omega_b|` below `REACH`, where a step has one
-//! solution.
+//! `U0^2 = |g|/l + (1 rad/s)^2` for the mean length `l` of a link. The geometric mean of (1), instead of the arithmetic
+//! one of the paper, keeps `rho` positive. The second term of (2) makes the energy error of a step, which is about
+//! `h^2/12 sum K_b |Omega_b|^2`, a part of `tol` of `E`; the third keeps `h |Omega_b|` below `REACH`, where a step has
+//! one solution.
 //!
-//! `U` is even in `p`, so (1) taken backwards gives the same steps in reverse: with a reversible system the energy error stays
-//! bounded, where a step chosen from the present state alone lets it drift. The map is not symplectic. `U` sees bodies that
-//! turn; the oscillation of a stiff spring and the frequency of a drive are not resolved by it.
+//! `U` is even in `p`, so (1) taken backwards gives the same steps in reverse: with a reversible system the energy
+//! error stays bounded, where a step chosen from the present state alone lets it drift. The map is not symplectic. `U`
+//! sees bodies that turn; the oscillation of a stiff spring and the frequency of a drive are not resolved by it.
 //!
 //! Output at a given time is made by a step to it from a copy of the last node.
 
@@ -82,7 +82,8 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// Varies the step of an integrator of the system at its present state, for a relative energy error of about `tolerance`.
+    /// Varies the step of an integrator of the system at its present state, for a relative energy error of about
+    /// `tolerance`.
     pub fn new(system: &System, rattle: Rattle, tolerance: f64) -> Adaptive {
         let monitor = Monitor::new(system, &rattle, tolerance);
         let density = monitor.rate(&rattle);

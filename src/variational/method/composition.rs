@@ -1,13 +1,15 @@
-//! High order by symmetric composition (Marsden and West 2001, section 2.5; Hairer, Lubich and Wanner 2006, chapter V.3).
+//! High order by symmetric composition (Marsden and West 2001, section 2.5; Hairer, Lubich and Wanner 2006, chapter
+//! V.3).
 //!
-//! RATTLE is a symmetric map of order 2 on the constraint manifold. Composed as `R(w_1 H) ... R(w_m H)` with palindromic
-//! weights of sum 1 that meet the order conditions (`sum w^3 = 0`, then `sum w^5 = 0`, ...) it is a symmetric, symplectic map
-//! of order 4, 6 or 8 on the same manifold. Weights of order above 2 cannot all be positive (Suzuki 1991), so a damper,
-//! which has no backward motion, does not go with them.
+//! RATTLE is a symmetric map of order 2 on the constraint manifold. Composed as `R(w_1 H) ... R(w_m H)` with
+//! palindromic weights of sum 1 that meet the order conditions (`sum w^3 = 0`, then `sum w^5 = 0`, ...) it is a
+//! symmetric, symplectic map of order 4, 6 or 8 on the same manifold. Weights of order above 2 cannot all be positive
+//! (Suzuki 1991), so a damper, which has no backward motion, does not go with them.
 //!
-//! Other published sets beside those that ship, at the same number of solves (`tests/core/composition_sets.rs`): errors over those of
-//! what ships, of the positions at the end and of the energy, on a spatial chain of five links (1 s) and on a planar double
-//! pendulum (5 s); geometric means over three or four numbers of solves, from 500 to 8000. Below 1 is better than what ships.
+//! Other published sets beside those that ship, at the same number of solves (`tests/core/composition_sets.rs`): errors
+//! over those of what ships, of the positions at the end and of the energy, on a spatial chain of five links (1 s) and
+//! on a planar double pendulum (5 s); geometric means over three or four numbers of solves, from 500 to 8000. Below 1
+//! is better than what ships.
 //!
 //! | order | set, stages | chain | pendulum |
 //! | --- | --- | --- | --- |
@@ -25,10 +27,10 @@
 //! | 8 | Kahan and Li 1997 b, 17 | 0.96, 1.01 | 0.95, 0.99 |
 //! | 8 | Sofroniou and Spaletta 2005, 21 | 1.7, 3.1 | 3.9, 4.0 |
 //!
-//! At order 6 nothing is better by more than a hundredth. At order 8 the other set of Kahan and Li is better by a twentieth in the
-//! positions; the 21 stages are better only where steps are fine (0.55 in the positions of the chain at 2000 solves). At order 4
-//! Suzuki's form with more equal weights trades energy for positions: nine stages have less than half of the error in the positions
-//! and a fifth to a third more in the energy.
+//! At order 6 nothing is better by more than a hundredth. At order 8 the other set of Kahan and Li is better by a
+//! twentieth in the positions; the 21 stages are better only where steps are fine (0.55 in the positions of the chain
+//! at 2000 solves). At order 4 Suzuki's form with more equal weights trades energy for positions: nine stages have less
+//! than half of the error in the positions and a fifth to a third more in the energy.
 
 use crate::mechanics::State;
 use crate::variational::map::{Map, OwnStep};

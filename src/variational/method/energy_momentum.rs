@@ -1,9 +1,9 @@
-//! The symplectic-energy-momentum map: RATTLE whose step is an unknown (Marsden and West 2001, section 4.9; Kane, Marsden and
-//! Ortiz 1999).
+//! The symplectic-energy-momentum map: RATTLE whose step is an unknown (Marsden and West 2001, section 4.9; Kane,
+//! Marsden and Ortiz 1999).
 //!
-//! The discrete Lagrangian `L_d(q0, q1, h)` of RATTLE is one of the extended space of positions and times. Its momentum in
-//! time is minus the discrete energy of a step, and the discrete Euler-Lagrange equation in time makes that of one step equal
-//! to that of the next:
+//! The discrete Lagrangian `L_d(q0, q1, h)` of RATTLE is one of the extended space of positions and times. Its momentum
+//! in time is minus the discrete energy of a step, and the discrete Euler-Lagrange equation in time makes that of one
+//! step equal to that of the next:
 //!
 //! ```text
 //! (q1, p1) = RATTLE_h (q0, p0)                                                                            (1)
@@ -20,11 +20,11 @@
 //! E_d = H(q0, p0) + h^2/8 (|G(q0)^T lambda0|^2 - |f|^2) ,      |u|^2 = u . M^-1 u ,                          (3)
 //! ```
 //!
-//! on the linear space of positions and attitude matrices: where the joint forces (those that keep a body rigid among them)
-//! pass the size of the weight, no step keeps the energy. For a bob on a rod at the angle `theta` from hanging that is at
-//! `l thetadot^2 = g (1 - cos(theta))`, before every turning point; a pendulum that goes round fast never gets there, nor
-//! does anything without gravity (MW example 4.9.1 is the case without joint forces). Towards such a point the steps grow, as the reciprocal cube root of the bracket in (3), and
-//! end in [`Failure::NoStep`].
+//! on the linear space of positions and attitude matrices: where the joint forces (those that keep a body rigid among
+//! them) pass the size of the weight, no step keeps the energy. For a bob on a rod at the angle `theta` from hanging
+//! that is at `l thetadot^2 = g (1 - cos(theta))`, before every turning point; a pendulum that goes round fast never
+//! gets there, nor does anything without gravity (MW example 4.9.1 is the case without joint forces). Towards such a
+//! point the steps grow, as the reciprocal cube root of the bracket in (3), and end in [`Failure::NoStep`].
 //!
 //! Output at a given time is a step of RATTLE to it from a copy of the last node.
 
@@ -48,7 +48,8 @@ const HALVINGS: usize = 100;
 /// Steps on either side of the last one that are tried for a change of sign where the secant method finds none.
 const SCAN: i32 = 16;
 
-/// Discrete energies that differ by this many roundings of their terms are the same; by so many where more rounds do not help.
+/// Discrete energies that differ by this many roundings of their terms are the same; by so many where more rounds do
+/// not help.
 const SAME: f64 = 2.0;
 const CLOSE: f64 = 16.0;
 
@@ -107,8 +108,8 @@ pub struct Report {
 }
 
 impl EnergyMomentum {
-    /// Makes an integrator in its present state vary its step, from a first one of size `h` > 0 (s). Its bodies keep their
-    /// rotation rules. The system must have no dampers and no drives.
+    /// Makes an integrator in its present state vary its step, from a first one of size `h` > 0 (s). Its bodies keep
+    /// their rotation rules. The system must have no dampers and no drives.
     pub fn new(mut rattle: Rattle, h: f64) -> EnergyMomentum {
         rattle.keep_rotation();
         EnergyMomentum {

@@ -52,8 +52,8 @@ pub enum Steps {
     HoldingEnergy,
 }
 
-/// What of a system a method has no means for, beside the joints of a tree of rigid bodies under gravity: the reason as it
-/// follows the name of the method; `None` where it has them.
+/// What of a system a method has no means for, beside the joints of a tree of rigid bodies under gravity: the reason as
+/// it follows the name of the method; `None` where it has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refuses {
     /// Loops, couplings, springs and drives.
@@ -93,8 +93,8 @@ pub const METHODS: &[Facts] = &[
         steps: Steps::GivenOrAdaptive,
         refuses: NOTHING,
         remark: Some(
-            "method=midpoint is the map of method=rattle: on positions and attitude matrices the kinetic energy does not depend \
-             on the position and gravity is constant, so that both discrete Lagrangians are the same",
+            "method=midpoint is the map of method=rattle: on positions and attitude matrices the kinetic energy does \
+             not depend on the position and gravity is constant, so that both discrete Lagrangians are the same",
         ),
     },
     Facts {
@@ -144,8 +144,8 @@ pub const METHODS: &[Facts] = &[
     Facts {
         kind: Kind::EnergyMomentum,
         name: "energy_momentum",
-        summary: "is rattle with steps of its own, from the run's step on, that hold the discrete energy to roundoff; the run \
-                  ends, by name, where none does",
+        summary: "is rattle with steps of its own, from the run's step on, that hold the discrete energy to roundoff; \
+                  the run ends, by name, where none does",
         order: Order::Fixed(2),
         time_reversible: true,
         rotation_rules: true,

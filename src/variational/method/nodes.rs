@@ -3,8 +3,8 @@
 use crate::mechanics::State;
 use crate::variational::rattle::{Failure, Rattle};
 
-/// The last node, and the state at the time of the output: that of a step to it from a copy of the node, so that the sequence of
-/// nodes does not depend on when output is asked for.
+/// The last node, and the state at the time of the output: that of a step to it from a copy of the node, so that the
+/// sequence of nodes does not depend on when output is asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Nodes {
     pub last: Rattle,

@@ -1,7 +1,7 @@
 //! The maps of one drift between two kicks: RATTLE and its relatives (Marsden and West 2001, sections 3.5.3 and 3.5.4).
 //!
-//! A discrete Lagrangian on `N x N` with `q1 - q0 = h v` differs from RATTLE's by where it takes the potential. With the
-//! parts `w0 + w1 = 1` of the impulse `h f` of the forces that have a potential,
+//! A discrete Lagrangian on `N x N` with `q1 - q0 = h v` differs from RATTLE's by where it takes the potential. With
+//! the parts `w0 + w1 = 1` of the impulse `h f` of the forces that have a potential,
 //!
 //! ```text
 //! p'  = p0 + h w0 f + G(q0)^T lambda0 ,   q1 = q0 + h M^-1 p' ,   phi(q1) = 0
@@ -13,8 +13,8 @@
 pub enum Method {
     /// `L_d = h/2 (L(q0, v) + L(q1, v))`: `w0 = w1 = 1/2`. Order 2, time-reversible.
     ///
-    /// The constrained midpoint rule, `L_d = h L((q0 + q1)/2, v)`, is the same map: on the linear space of positions and
-    /// attitude matrices the kinetic energy does not depend on the position and gravity is constant.
+    /// The constrained midpoint rule, `L_d = h L((q0 + q1)/2, v)`, is the same map: on the linear space of positions
+    /// and attitude matrices the kinetic energy does not depend on the position and gravity is constant.
     Rattle,
     /// `L_d = h L(q0, v)`: `w0 = 1`, a symplectic Euler map. Order 1; its adjoint is [`Method::EulerB`].
     EulerA,
@@ -26,8 +26,8 @@ pub enum Method {
     /// M (q2 - 2 q1 + q0) = h^2 (f + G(q1)^T lambda1) ,   phi(q2) = 0 ,
     /// ```
     ///
-    /// written with the momenta `M (q1 - q0) / h` of the middles of the steps, which are not projected. The momenta that
-    /// are handed out are RATTLE's, made of them by a projection from which nothing is fed back.
+    /// written with the momenta `M (q1 - q0) / h` of the middles of the steps, which are not projected. The momenta
+    /// that are handed out are RATTLE's, made of them by a projection from which nothing is fed back.
     Shake,
 }
 

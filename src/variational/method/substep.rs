@@ -1,8 +1,8 @@
 //! A step that fails, taken in halves.
 //!
-//! Halves are halved again until they converge, down to [`MOST_HALVINGS`] times. The result is a solution of the same accuracy or
-//! better, but a step whose size depends on whether it converged is no symplectic and no time-reversible map: the long-time
-//! behaviour is given up wherever it happens.
+//! Halves are halved again until they converge, down to [`MOST_HALVINGS`] times. The result is a solution of the same
+//! accuracy or better, but a step whose size depends on whether it converged is no symplectic and no time-reversible
+//! map: the long-time behaviour is given up wherever it happens.
 
 use crate::mechanics::State;
 use crate::variational::map::{Map, OwnStep};
@@ -11,8 +11,8 @@ use crate::variational::rattle::{Failure, Rattle};
 /// How often a step is halved at most: down to 1/1024 of it.
 pub const MOST_HALVINGS: u32 = 10;
 
-/// Takes a step of size `h` by `step`, in halves where it fails. A `step` that fails must leave its state unchanged. Returns how
-/// often the step was halved where it was halved most, 0 if it did not fail.
+/// Takes a step of size `h` by `step`, in halves where it fails. A `step` that fails must leave its state unchanged.
+/// Returns how often the step was halved where it was halved most, 0 if it did not fail.
 ///
 /// # Errors
 /// The failure of the shortest step that was tried. What was taken before it stays taken.
@@ -32,8 +32,8 @@ fn halve(h: f64, halvings: u32, step: &mut impl FnMut(f64) -> Result<(), Failure
     }
 }
 
-/// The longest step `h / 2^k` by which a state advances over `h` without a failure, found by trying on copies of it; `None`
-/// where `k` up to [`MOST_HALVINGS`] does not help.
+/// The longest step `h / 2^k` by which a state advances over `h` without a failure, found by trying on copies of it;
+/// `None` where `k` up to [`MOST_HALVINGS`] does not help.
 pub fn step_that_works<S: Clone>(
     state: &S,
     h: f64,

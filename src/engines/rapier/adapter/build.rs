@@ -78,8 +78,8 @@ fn check(system: &System, settings: &Settings, step: f64) -> Result<(), String> 
     Ok(())
 }
 
-/// Whether a spring's numbers stay numbers in a substep. A motor is solved with the compliance `1 / (h^2 k + h c)`, which
-/// rapier takes for zero, a lock, where the denominator is too small.
+/// Whether a spring's numbers stay numbers in a substep. A motor is solved with the compliance `1 / (h^2 k + h c)`,
+/// which rapier takes for zero, a lock, where the denominator is too small.
 fn check_spring(stiffness: f64, damping: f64, substep: Real, motor: bool, whose: &str) -> Result<(), String> {
     let numbers = || match (stiffness > 0.0, damping > 0.0) {
         (true, true) => format!("the stiffness {stiffness:e} and damping {damping:e} {whose}"),

@@ -8,10 +8,10 @@
 //! F_k^T Y_k - Y_k^T F_k = h^2 hat(tau_k) ,    Y_k = X_k Jd - h^2 N_k ,        k = 1 ... s-1
 //! ```
 //!
-//! where `N_k = sum f r^T` over the forces `f` at points `r` of the body, whose moment follows the body's turn, and `tau_k` are
-//! the other torques, in the body's frame at the stage. The multipliers of `F^T F = 1` are the symmetric parts of
-//! `F_k^T Y_k`, so they do not appear. `9 (s - 1)` equations for as many unknowns, solved by Newton's method with a
-//! factorisation that is kept while it contracts.
+//! where `N_k = sum f r^T` over the forces `f` at points `r` of the body, whose moment follows the body's turn, and
+//! `tau_k` are the other torques, in the body's frame at the stage. The multipliers of `F^T F = 1` are the symmetric
+//! parts of `F_k^T Y_k`, so they do not appear. `9 (s - 1)` equations for as many unknowns, solved by Newton's method
+//! with a factorisation that is kept while it contracts.
 
 use nalgebra::{Matrix3, Vector3};
 

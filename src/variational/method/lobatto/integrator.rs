@@ -18,7 +18,8 @@ pub(super) struct Stage {
     pub frame: JointFrame,
     /// The joint's force on the child about its joint point, axes of the joint frame in the parent, N and N m.
     pub wrench: Wrench,
-    /// Force of the joints on the body (N) and what they exert on it beside the moments of these forces (N m), world axes.
+    /// Force of the joints on the body (N) and what they exert on it beside the moments of these forces (N m), world
+    /// axes.
     pub load: Wrench,
     /// `sum f r^T` over the forces at points `r` of the body, in the body's frame at the start, N m. It does not change
     /// while the body turns.
@@ -38,7 +39,8 @@ pub enum Unfit {
     Failure(Failure),
 }
 
-/// The integrator. Nothing is allocated after [`Lobatto::new`]. Arrays run over the nodes as in [`crate::variational::Rattle`].
+/// The integrator. Nothing is allocated after [`Lobatto::new`]. Arrays run over the nodes as in
+/// [`crate::variational::Rattle`].
 #[derive(Clone, Debug)]
 pub struct Lobatto {
     pub(super) tableau: Tableau,

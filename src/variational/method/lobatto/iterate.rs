@@ -23,8 +23,8 @@ impl Lobatto {
             if !residual.is_finite() {
                 return Err(Failure::NotFinite { body: joint });
             }
-            // The contraction alternates, and the forces are much larger than the gaps that they close: only a residual that
-            // has not fallen for several rounds is roundoff.
+            // The contraction alternates, and the forces are much larger than the gaps that they close: only a residual
+            // that has not fallen for several rounds is roundoff.
             stalled = if residual < 0.5 * best { 0 } else { stalled + 1 };
             best = residual.min(best);
             if residual == 0.0 || (stalled >= STALLED && best <= 64.0 * roundoff) {
@@ -33,7 +33,8 @@ impl Lobatto {
             if rounds == LIMITS.rounds {
                 return Err(Failure::Constraint { joint, rounds, residual });
             }
-            // The first round puts the bodies where the prediction has them; one that hardly helps calls for another look.
+            // The first round puts the bodies where the prediction has them; one that hardly helps calls for another
+            // look.
             if rounds == 0 || stalled >= STALLED {
                 self.factorise_stages()?;
             }
@@ -86,8 +87,8 @@ impl Lobatto {
         result.map_err(|Singular { node }| Failure::Singular { joint: node - 1 })
     }
 
-    /// One round: the gaps of all stages, combined into those that the forces at one stage have to close, close them with
-    /// the factorisation at that stage.
+    /// One round: the gaps of all stages, combined into those that the forces at one stage have to close, close them
+    /// with the factorisation at that stage.
     fn correct(&mut self, h: f64) {
         let s = self.tableau.stages;
         for k in 0..s - 1 {

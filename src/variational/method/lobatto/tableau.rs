@@ -1,4 +1,5 @@
-//! Coefficients of the Lobatto IIIA-IIIB pairs of 2 to 5 stages (Hairer, Lubich and Wanner 2006, section II.1.4 and VI.4.2).
+//! Coefficients of the Lobatto IIIA-IIIB pairs of 2 to 5 stages (Hairer, Lubich and Wanner 2006, section II.1.4 and
+//! VI.4.2).
 
 use nalgebra::{DMatrix, SMatrix};
 

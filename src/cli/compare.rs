@@ -30,9 +30,7 @@ pub struct Args {
     /// .urdf files or scene .json files.
     #[arg(required = true)]
     input: Vec<PathBuf>,
-    /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle at orders 2 and
-    /// 8, galerkin, dop853 and three settings of rapier].
-    #[arg(long, value_name = "SPEC")]
+    #[arg(long, value_name = "SPEC", help = input::engine_help(Role::Compare))]
     engine: Vec<String>,
     /// Step size, s; may be given several times [default: those of the scene].
     #[arg(long, value_name = "H", allow_negative_numbers = true)]

@@ -29,9 +29,7 @@ const TIMED: f64 = 0.2;
 /// The chains are those of `generate chain`, released from horizontal with every second hinge bent.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Engine; may be given several times [default: rattle at orders 2 and 8, the engines on joint coordinates,
-    /// and four settings of rapier].
-    #[arg(long, value_name = "SPEC")]
+    #[arg(long, value_name = "SPEC", help = input::engine_help(Role::Cost))]
     engine: Vec<String>,
     /// Number of links; may be given several times [default: 1, 2, 5, 10, 20, 50, 100].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::CliError;
-use crate::engines::Spec;
+use crate::engines::{Role, Spec, line_up};
 use crate::mechanics::System;
 use crate::model::Scene;
 
@@ -27,6 +27,14 @@ pub fn specs<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
         }
     }
     Ok(specs)
+}
+
+/// Help of an option that names engines, with those of a line-up as its default.
+pub fn engine_help(role: Role) -> String {
+    format!(
+        "Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: {}]",
+        line_up(role).join(", ")
+    )
 }
 
 /// The scenes `*/scene.json` in a folder, by name.

@@ -28,9 +28,7 @@ pub struct Args {
         FAMILIES.into_iter().map(|family| PossibleValue::new(family.name).help(family.question))
     ))]
     family: Vec<String>,
-    /// Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: rattle and three
-    /// settings of rapier, and rk4 and semi_implicit_euler in the families on stiffness, spin and steps].
-    #[arg(long, value_name = "SPEC")]
+    #[arg(long, value_name = "SPEC", help = engine_help())]
     engine: Vec<String>,
     /// Folder for the cells, the maps and the page.
     #[arg(long, value_name = "DIR", default_value = "reports/stability")]
@@ -47,6 +45,13 @@ pub struct Args {
     /// Run the I-th of N parts of the suite, to be put together by merge.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
+}
+
+/// With the engines that some families add.
+fn engine_help() -> String {
+    let families: Vec<&str> = FAMILIES.iter().filter(|family| family.explicit).map(|family| family.name).collect();
+    let (more, families) = (engines::line_up(Role::Explicit).join(", "), families.join(", "));
+    format!("{}; without it also {more} in {families}", input::engine_help(Role::Stability))
 }
 
 impl FromStr for Shard {

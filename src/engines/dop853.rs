@@ -60,6 +60,7 @@ pub(super) const ENTRY: Entry = Entry {
     nominal_cost: usual_cost,
     hold: None,
     converged: is_converged,
+    crates: &[],
     build,
 };
 

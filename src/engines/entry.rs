@@ -41,6 +41,8 @@ pub struct Entry {
     pub hold: Option<Hold>,
     /// The spec of the same engine with its constraints solved to the end; `None` where they are.
     pub converged: fn(&Values) -> Option<String>,
+    /// Crates whose versions its results depend on.
+    pub crates: &'static [&'static str],
     pub build: Build,
 }
 

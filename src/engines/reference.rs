@@ -48,6 +48,7 @@ pub(super) const ENTRY: Entry = Entry {
     nominal_cost: usual_cost,
     hold: None,
     converged: is_converged,
+    crates: &[],
     build,
 };
 

@@ -28,6 +28,7 @@ pub(super) const ENTRY: Entry = Entry {
     nominal_cost: |_, bodies| 0.2 + bodies,
     hold: None,
     converged: is_converged,
+    crates: &[],
     build,
 };
 

@@ -33,6 +33,7 @@ pub(super) const ENTRY: Entry = Entry {
     nominal_cost: |_, bodies| 0.2 + 0.7 * bodies,
     hold: None,
     converged: is_converged,
+    crates: &[],
     build,
 };
 

@@ -30,6 +30,7 @@ pub(in crate::engines) const ENTRY: Entry = Entry {
     nominal_cost,
     hold: Some(hold),
     converged,
+    crates: &["rapier3d", "rapier3d-f64"],
     build,
 };
 

@@ -42,6 +42,7 @@ pub(in crate::engines) const ENTRY: Entry = Entry {
     nominal_cost,
     hold: None,
     converged: is_converged,
+    crates: &[],
     build,
 };
 

@@ -6,6 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sysinfo::{CpuRefreshKind, RefreshKind, System};
 
+use crate::engines::ENGINES;
+
 /// The machine that the timings are from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Machine {
@@ -44,15 +46,19 @@ pub fn machine() -> Machine {
     }
 }
 
-/// The crates whose version a result depends on.
-const CRATES: [&str; 5] = ["nalgebra", "parry3d-f64", "rapier3d", "rapier3d-f64", "urdf-rs"];
+/// The crates whose versions every result depends on, beside those of its engine.
+const CRATES: [&str; 3] = ["nalgebra", "parry3d-f64", "urdf-rs"];
+
+fn crates() -> impl Iterator<Item = &'static str> {
+    CRATES.into_iter().chain(ENGINES.iter().flat_map(|entry| entry.crates.iter().copied()))
+}
 
 /// The versions of this program and of what it was built from.
 pub fn versions() -> Versions {
     let locked = locked_versions(include_str!("../../../Cargo.lock"));
     Versions {
         rattlebench: env!("CARGO_PKG_VERSION").to_string(),
-        crates: CRATES.iter().filter_map(|name| Some((name.to_string(), locked.get(*name)?.to_string()))).collect(),
+        crates: crates().filter_map(|name| Some((name.to_string(), locked.get(name)?.to_string()))).collect(),
         rustc: rustc_version_runtime::version().to_string(),
         profile: if cfg!(debug_assertions) { "dev" } else { "release" }.to_string(),
     }
@@ -80,7 +86,7 @@ mod tests {
     #[test]
     fn every_crate_that_matters_has_its_locked_version() {
         let versions = versions();
-        assert_eq!(versions.crates.len(), CRATES.len(), "{versions:?}");
+        assert_eq!(versions.crates.len(), crates().count(), "{versions:?}");
         assert!(versions.crates["rapier3d"].starts_with("0.36."), "{versions:?}");
         assert_eq!(versions.crates["rapier3d"], versions.crates["rapier3d-f64"]);
     }

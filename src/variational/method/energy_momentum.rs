@@ -77,8 +77,9 @@ fn closer(a: &Tried, b: &Tried) -> Ordering {
 #[derive(Clone, Debug)]
 pub struct EnergyMomentum {
     nodes: Nodes,
-    /// The end of the step that was tried last; the next node, if `found` has its step.
+    /// The end of the step `tried`; the next node, if that is `found`.
     ahead: Rattle,
+    tried: Option<Tried>,
     found: Option<Tried>,
     /// `E`, J, from the first step on.
     energy: Option<f64>,
@@ -115,6 +116,7 @@ impl EnergyMomentum {
         EnergyMomentum {
             ahead: rattle.clone(),
             nodes: Nodes::starting_at(rattle),
+            tried: None,
             found: None,
             energy: None,
             steps: [h, h],
@@ -229,11 +231,13 @@ impl EnergyMomentum {
     /// (1) for a step of size `h`: by how much it misses (2). `None` where RATTLE has no such step.
     fn attempt(&mut self, h: f64, energy: f64) -> Option<Tried> {
         self.solves += 1;
+        self.tried = None;
         self.ahead.copy_from(&self.nodes.last).ok()?;
         self.ahead.step(h).ok()?;
         let of_step = self.ahead.discrete_energy(h);
         let tried = Tried { h, excess: of_step.energy - energy, rounding: f64::EPSILON * of_step.size };
-        tried.excess.is_finite().then_some(tried)
+        self.tried = Some(tried).filter(|tried| tried.excess.is_finite());
+        self.tried
     }
 
     /// (2), by the secant method on the square of the step, and where that fails by bisection between a change of sign.
@@ -249,7 +253,7 @@ impl EnergyMomentum {
         let mut stalled = 0;
         for _ in 0..ROUNDS {
             if best.within(SAME) || (stalled >= 2 && best.within(CLOSE)) {
-                return self.take(best, at, energy);
+                return self.take(best, energy);
             }
             let square = match self.slope {
                 Some(slope) if slope != 0.0 => at.h * at.h - at.excess / slope,
@@ -272,7 +276,7 @@ impl EnergyMomentum {
             at = next;
         }
         if best.within(CLOSE) {
-            return self.take(best, at, energy);
+            return self.take(best, energy);
         }
         self.search(energy, Some(best))
     }
@@ -326,9 +330,9 @@ impl EnergyMomentum {
         None
     }
 
-    /// Takes a step that was tried; `ahead` is the end of the step `at`.
-    fn take(&mut self, found: Tried, at: Tried, energy: f64) -> Result<Tried, Failure> {
-        if found.h == at.h {
+    /// Takes a step that was tried, once more unless `ahead` is its end.
+    fn take(&mut self, found: Tried, energy: f64) -> Result<Tried, Failure> {
+        if self.tried.is_some_and(|tried| tried.h == found.h) {
             return Ok(found);
         }
         let missed = Failure::NoStep { step: found.h, energy, missed: found.excess };

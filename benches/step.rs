@@ -8,7 +8,7 @@ mod common;
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use rattlebench::engines::{self, Spec};
+use rattlebench::engines::{self, Role, Spec};
 
 /// s
 const STEP: f64 = 1e-3;
@@ -16,19 +16,10 @@ const SKIPPED: usize = 20;
 /// Steps after which a run starts afresh: 0.2 s, before a long chain whips.
 const TIMED: u64 = 180;
 
-const SPECS: &[&str] = &[
-    "rattle",
-    "rattle:order=8",
-    "rapier",
-    "rapier:precision=f64",
-    "rapier:preset=strong",
-    "rapier:joints=multibody,precision=f64",
-];
-
 fn step(criterion: &mut Criterion) {
-    for text in SPECS {
+    for text in engines::line_up(Role::Cost) {
         let spec = Spec::parse(text).unwrap_or_else(|e| panic!("{e}"));
-        let mut group = criterion.benchmark_group(*text);
+        let mut group = criterion.benchmark_group(text);
         group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
         for links in [1, 2, 5, 10, 50, 100] {
             let system = common::compile(&common::alternating(links));

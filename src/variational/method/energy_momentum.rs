@@ -168,7 +168,7 @@ impl EnergyMomentum {
     pub fn step_node(&mut self) -> Result<(), Failure> {
         let found = self.find()?;
         std::mem::swap(&mut self.nodes.last, &mut self.ahead);
-        self.found = None;
+        (self.found, self.tried) = (None, None);
         self.steps = [found.h, if self.taken == 0 { found.h } else { self.steps[0] }];
         self.taken += 1;
         (self.shortest, self.longest) = (self.shortest.min(found.h), self.longest.max(found.h));

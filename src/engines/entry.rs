@@ -12,38 +12,38 @@ use super::values::Values;
 use crate::mechanics::{Part, System};
 
 /// Builds an engine from its settings for a system and a step size in s.
-pub type Build = fn(&Values, &System, f64) -> Result<Box<dyn Engine>, Unsupported>;
+pub(crate) type Build = fn(&Values, &System, f64) -> Result<Box<dyn Engine>, Unsupported>;
 
 /// Reads back what an engine built so holds of the system before its first step.
-pub type Hold = fn(&Values, &System, f64) -> Result<Held, Unsupported>;
+pub(crate) type Hold = fn(&Values, &System, f64) -> Result<Held, Unsupported>;
 
 /// An engine in the list.
 pub struct Entry {
     /// As in specs.
     pub name: &'static str,
-    pub summary: &'static str,
-    pub keys: &'static [Key],
+    pub(crate) summary: &'static str,
+    pub(crate) keys: &'static [Key],
     /// What of a system beside its tree of bodies the engine has means for.
-    pub parts: &'static [Part],
+    pub(crate) parts: &'static [Part],
     /// What it is shown with.
-    pub group: &'static Group,
+    pub(crate) group: &'static Group,
     /// Its settings with a place in a line-up or in charts.
-    pub contestants: &'static [Contestant],
+    pub(crate) contestants: &'static [Contestant],
     /// Where its settings trade accuracy for cost: how the best of them are shown.
-    pub tuned: Option<Tuned>,
+    pub(crate) tuned: Option<Tuned>,
     /// The settings that a sweep tries.
-    pub sweep: &'static [Swept],
+    pub(crate) sweep: &'static [Swept],
     /// The key that controls the error where the step of a run only says when the state is read.
-    pub tolerance: Option<&'static Number>,
+    pub(crate) tolerance: Option<&'static Number>,
     /// Nominal time of a step of so many bodies, us: what decides whether a run of `stability` is within its budget.
-    pub nominal_cost: fn(&Values, f64) -> f64,
+    pub(crate) nominal_cost: fn(&Values, f64) -> f64,
     /// `None` for engines that compute on the [`System`] itself.
-    pub hold: Option<Hold>,
+    pub(crate) hold: Option<Hold>,
     /// The spec of the same engine with its constraints solved to the end; `None` where they are.
-    pub converged: fn(&Values) -> Option<String>,
+    pub(crate) converged: fn(&Values) -> Option<String>,
     /// Crates whose versions its results depend on.
-    pub crates: &'static [&'static str],
-    pub build: Build,
+    pub(crate) crates: &'static [&'static str],
+    pub(crate) build: Build,
 }
 
 impl fmt::Debug for Entry {

@@ -2,7 +2,7 @@
 
 /// Engines that share a panel and a palette of colours.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Group {
+pub(crate) struct Group {
     /// Heading of their panel.
     pub name: &'static str,
     pub origin: Origin,
@@ -10,7 +10,7 @@ pub struct Group {
 
 /// Whose engines they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub(crate) enum Origin {
     /// Another program's, which the ones of this are compared with.
     Foreign,
     Own,
@@ -19,4 +19,4 @@ pub enum Origin {
 }
 
 /// Engines that this version does not have.
-pub static OTHERS: Group = Group { name: "other engines", origin: Origin::Unknown };
+pub(crate) static OTHERS: Group = Group { name: "other engines", origin: Origin::Unknown };

@@ -4,14 +4,14 @@ use std::fmt;
 
 /// A key that an engine takes.
 #[derive(Clone, Copy, Debug)]
-pub enum Key {
+pub(crate) enum Key {
     Choice(&'static dyn Words),
     Number(&'static Number),
 }
 
 /// A key whose value is one of a few words; the first is the default.
 #[derive(Debug)]
-pub struct Choice<T: 'static> {
+pub(crate) struct Choice<T: 'static> {
     pub name: &'static str,
     pub words: &'static [Word<T>],
     pub summary: &'static str,
@@ -19,7 +19,7 @@ pub struct Choice<T: 'static> {
 
 /// A word and what it stands for.
 #[derive(Clone, Copy, Debug)]
-pub struct Word<T> {
+pub(crate) struct Word<T> {
     pub word: &'static str,
     /// What it does, after the word; empty where the summary of the key says it.
     pub meaning: &'static str,
@@ -37,7 +37,7 @@ impl<T: Copy> Word<T> {
 }
 
 /// What a choice says of itself whatever its words stand for.
-pub trait Words: fmt::Debug + Sync {
+pub(crate) trait Words: fmt::Debug + Sync {
     fn name(&self) -> &'static str;
     fn words(&self) -> Vec<&'static str>;
     fn summary(&self) -> String;
@@ -62,7 +62,7 @@ impl<T: fmt::Debug + Sync> Words for Choice<T> {
 
 /// A key whose value is a number in an inclusive range.
 #[derive(Debug)]
-pub struct Number {
+pub(crate) struct Number {
     pub name: &'static str,
     pub min: f64,
     pub max: f64,

@@ -2,7 +2,7 @@
 
 /// A setting of an engine with a place of its own.
 #[derive(Debug)]
-pub struct Contestant {
+pub(crate) struct Contestant {
     pub spec: &'static str,
     /// Where it runs unless the user names engines.
     pub roles: &'static [Role],
@@ -28,7 +28,7 @@ pub enum Role {
 
 /// An engine with a line of its own for its default settings, which are what a user gets who sets nothing.
 #[derive(Debug)]
-pub struct Tuned {
+pub(crate) struct Tuned {
     /// Name of the line of the best of all settings, and its look.
     pub best: &'static str,
     pub look: Look,
@@ -38,14 +38,14 @@ pub struct Tuned {
 
 /// A colour and a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
+pub(crate) struct Look {
     pub colour: Colour,
     pub marker: Marker,
 }
 
 /// Colours that a setting may have as its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
+pub(crate) enum Colour {
     Blue,
     Sky,
     Green,
@@ -58,7 +58,7 @@ pub enum Colour {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
+pub(crate) enum Marker {
     Circle,
     Square,
     Triangle,

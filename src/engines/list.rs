@@ -19,7 +19,7 @@ pub static ENGINES: &[Entry] = &[
 ];
 
 /// The engine that a spec names, whatever its settings; `None` where this version has no such engine.
-pub fn named(spec: &str) -> Option<&'static Entry> {
+pub(crate) fn named(spec: &str) -> Option<&'static Entry> {
     let name = spec.split(':').next();
     ENGINES.iter().find(|entry| Some(entry.name) == name)
 }
@@ -36,7 +36,7 @@ pub fn line_up(role: Role) -> Vec<&'static str> {
 }
 
 /// The settings that a sweep tries, in the same order.
-pub fn sweep() -> impl Iterator<Item = &'static Swept> {
+pub(crate) fn sweep() -> impl Iterator<Item = &'static Swept> {
     by_group().into_iter().flat_map(|entry| entry.sweep)
 }
 
@@ -49,13 +49,13 @@ fn by_group() -> Vec<&'static Entry> {
 }
 
 /// What an engine is shown with, by its spec.
-pub fn group_of(spec: &str) -> &'static Group {
+pub(crate) fn group_of(spec: &str) -> &'static Group {
     named(spec).map_or(&OTHERS, |entry| entry.group)
 }
 
 /// All groups in the order of panels: those of other programs, then our own, then engines that this version does not
 /// have.
-pub fn groups() -> Vec<&'static Group> {
+pub(crate) fn groups() -> Vec<&'static Group> {
     let mut groups: Vec<&Group> = Vec::new();
     for group in ENGINES.iter().map(|entry| entry.group).chain([&OTHERS]) {
         if !groups.contains(&group) {
@@ -71,12 +71,12 @@ pub fn groups() -> Vec<&'static Group> {
 }
 
 /// How the settings of an engine are shown by their best, by its spec.
-pub fn tuned(spec: &str) -> Option<&'static Tuned> {
+pub(crate) fn tuned(spec: &str) -> Option<&'static Tuned> {
     named(spec).and_then(|entry| entry.tuned.as_ref())
 }
 
 /// The look that a spec, or the line of the best settings of an engine, has as its own.
-pub fn look_of(name: &str) -> Option<Look> {
+pub(crate) fn look_of(name: &str) -> Option<Look> {
     let contestants = ENGINES.iter().flat_map(|entry| entry.contestants);
     let own = contestants.filter(|contestant| contestant.spec == name).find_map(|contestant| contestant.look);
     let mut best = ENGINES.iter().filter_map(|entry| entry.tuned.as_ref());
@@ -84,7 +84,7 @@ pub fn look_of(name: &str) -> Option<Look> {
 }
 
 /// The tolerance that a spec sets, for engines whose error it controls: the key, and the value as written.
-pub fn tolerance(spec: &str) -> Option<(&'static str, &str)> {
+pub(crate) fn tolerance(spec: &str) -> Option<(&'static str, &str)> {
     let key = named(spec)?.tolerance?.name;
     let settings = spec.split_once(':')?.1;
     let mut pairs = settings.split(',').filter_map(|setting| setting.split_once('='));

@@ -27,14 +27,15 @@ pub(crate) mod swept;
 mod values;
 
 pub use engine::{Engine, StepFailure, Unsupported};
-pub use entry::{Build, Entry, Hold};
-pub use group::{Group, OTHERS, Origin};
+pub use entry::Entry;
+pub(crate) use group::Origin;
 pub use held::{Held, HeldBody};
-pub use key::{Choice, Key, Number, Word, Words};
-pub use line_up::{Colour, Contestant, Look, Marker, Role, Tuned};
-pub use list::{ENGINES, group_of, groups, line_up, look_of, named, sweep, tolerance, tuned};
+pub(crate) use key::Key;
+pub use line_up::Role;
+pub(crate) use line_up::{Colour, Marker};
+pub use list::{ENGINES, line_up};
+pub(crate) use list::{group_of, groups, look_of, named, sweep, tolerance, tuned};
+pub(crate) use spec::converged;
 #[doc(hidden)]
 pub use spec::faulty;
-pub use spec::{Spec, SpecError, build, converged, held};
-pub use swept::Swept;
-pub use values::Values;
+pub use spec::{Spec, SpecError, build, held};

@@ -59,12 +59,8 @@ impl Spec {
         self.entry
     }
 
-    pub fn values(&self) -> &Values {
-        &self.values
-    }
-
     /// Nominal time of a step of a system of so many bodies, us.
-    pub fn nominal_cost(&self, bodies: usize) -> f64 {
+    pub(crate) fn nominal_cost(&self, bodies: usize) -> f64 {
         (self.entry.nominal_cost)(&self.values, bodies as f64)
     }
 }
@@ -117,6 +113,6 @@ pub fn held(spec: &Spec, system: &System, step: f64) -> Option<Held> {
 }
 
 /// The same engine with its constraints solved to the end, for engines whose settings leave them half solved.
-pub fn converged(spec: &Spec) -> Option<Spec> {
+pub(crate) fn converged(spec: &Spec) -> Option<Spec> {
     (spec.entry.converged)(&spec.values).and_then(|text| Spec::parse(&text).ok())
 }

@@ -2,7 +2,7 @@
 
 /// A setting of an engine.
 #[derive(Debug)]
-pub struct Swept {
+pub(crate) struct Swept {
     pub spec: &'static str,
     pub counts: &'static [u64],
     /// In a quick sweep; empty where it is left out.

@@ -6,7 +6,7 @@ use super::key::{Choice, Number};
 
 /// Values that the engine's keys accept, in the order given; no key stands twice.
 #[derive(Clone, Debug)]
-pub struct Values {
+pub(crate) struct Values {
     engine: &'static str,
     given: Vec<(String, String)>,
 }

@@ -5,7 +5,7 @@ use plotters::prelude::*;
 use super::super::Report;
 use crate::engines::{self, Colour, Origin};
 
-pub use crate::engines::Marker;
+pub(crate) use crate::engines::Marker;
 
 /// Size of a finished chart, pixels.
 pub const WIDTH: u32 = 1200;

@@ -8,10 +8,11 @@ use serde::Deserialize;
 use super::CliError;
 use crate::report::Report;
 use crate::report::folder;
+use crate::report::folder::theory;
 use crate::report::record::cost::{self, Cost};
 use crate::report::record::report::ReadError;
 use crate::report::record::stability::{self, StabilityReport};
-use crate::report::theory::{self, FILE_SCHEMA, TheoryFile};
+use crate::report::record::theory::{FILE_SCHEMA, TheoryFile};
 
 /// Draw the charts and the page of saved reports, of saved costs and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
@@ -84,7 +85,7 @@ fn read(path: &Path) -> Result<Saved, CliError> {
     let head: Option<Head> = serde_json::from_str(&text).ok();
     let failed = |error| CliError::Report { path: path.to_path_buf(), error };
     match head.and_then(|head| head.schema).as_deref() {
-        Some(FILE_SCHEMA) => return Ok(Saved::Theory(Box::new(TheoryFile::read(path)?))),
+        Some(FILE_SCHEMA) => return Ok(Saved::Theory(Box::new(theory::read(path)?))),
         Some(stability::SCHEMA) => {
             let report = serde_json::from_str(&text).map_err(|error| failed(ReadError::Json(error)))?;
             return Ok(Saved::Stability(Box::new(report)));

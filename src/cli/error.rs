@@ -13,9 +13,9 @@ use crate::mechanics::CompileError;
 use crate::model::{ModelError, SceneError, SceneProblem};
 use crate::report::folder::cells::StoreError;
 use crate::report::folder::files::WriteError;
+use crate::report::folder::theory::TheoryError;
 use crate::report::record::report::ReadError;
 use crate::report::record::stability::IncompleteError;
-use crate::report::theory::TheoryError;
 
 /// Why a subcommand could not do its work.
 #[derive(Debug, thiserror::Error)]

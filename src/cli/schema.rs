@@ -9,7 +9,7 @@ use crate::model::scene::SceneFile;
 use crate::report::Report;
 use crate::report::record::cost::Cost;
 use crate::report::record::stability::StabilityReport;
-use crate::report::theory::TheoryFile;
+use crate::report::record::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]

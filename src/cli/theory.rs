@@ -7,8 +7,10 @@ use std::sync::atomic::AtomicU64;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::{CliError, input, progress};
+use crate::measure::theory::{TOPICS, Topic};
 use crate::report::folder::files;
-use crate::report::theory::{self, Data, TOPICS, Topic};
+use crate::report::folder::theory;
+use crate::report::record::theory::Data;
 
 /// Compute the figures and tables of the theory: orders, energy, conservation, small steps.
 #[derive(Debug, clap::Args)]
@@ -35,7 +37,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         .collect();
     let computed = progress::during("theory", &stages, || {
         let compute = |(topic, done): (&&'static Topic, &AtomicU64)| match (topic.compute)(done) {
-            Ok(data) => Ok((*topic, data)),
+            Ok(found) => Ok((*topic, Data::from(found))),
             Err(error) => Err(CliError::Theory { topic: topic.name, error }),
         };
         topics.iter().zip(&counters).map(compute).collect::<Result<Vec<(&Topic, Data)>, CliError>>()

@@ -19,6 +19,7 @@ pub mod scales;
 pub mod stability;
 pub mod structure;
 pub mod study;
+pub mod theory;
 pub mod threads;
 pub mod trace;
 pub mod truth;

@@ -7,7 +7,6 @@ pub mod charts;
 pub mod folder;
 pub mod page;
 pub mod record;
-pub mod theory;
 pub mod words;
 
 pub use record::report::Report;

@@ -5,3 +5,4 @@ pub mod cost;
 pub mod files;
 pub mod report;
 pub mod stability;
+pub mod theory;

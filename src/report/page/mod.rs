@@ -4,3 +4,4 @@ pub mod cost;
 pub mod document;
 pub mod report;
 pub mod stability;
+pub mod theory;

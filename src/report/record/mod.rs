@@ -13,4 +13,5 @@ pub mod series;
 pub mod stability;
 pub mod structure;
 pub mod sweep;
+pub mod theory;
 pub mod time;

@@ -1,11 +1,11 @@
 //! `convergence.png`: the error of one step of the map and of F+ against the step size, for one method of each order.
 
-use super::super::super::theory::{ErrorRecord, OrderRecord, OrdersRecord};
 use super::super::axis::Axis;
 use super::super::canvas::{self, ChartError};
 use super::super::legend;
 use super::super::panel::{Label, Panel, Words};
 use super::super::style::{BLACK, BLUE, GREEN, Look, Marker, ORANGE, PURPLE, VERMILLION};
+use crate::report::record::theory::orders::{ErrorRecord, OrderRecord, OrdersRecord};
 use crate::report::words::number::two_decimals;
 
 /// One method of each order of the list.

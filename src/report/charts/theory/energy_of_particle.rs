@@ -1,11 +1,11 @@
 //! `figure1.png`, `figure2.png`: the energy of a variational method and of RK4 against the true energy.
 
-use super::super::super::theory::{CurveRecord, EnergyRecord};
 use super::super::axis::Axis;
 use super::super::canvas::{self, ChartError};
 use super::super::panel::{Panel, Words};
 use super::super::style::{BLACK, BLUE, Look, Marker, VERMILLION};
 use super::super::{legend, style};
+use crate::report::record::theory::energy::{CurveRecord, EnergyRecord};
 use crate::report::words::number::plain;
 
 /// The truth, the variational method, RK4.

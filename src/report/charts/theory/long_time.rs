@@ -4,7 +4,6 @@ use plotters::coord::ranged1d::{BoldPoints, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::super::theory::LongTimeRecord;
 use super::super::axis::Axis;
 use super::super::canvas::{self, Area, ChartError};
 use super::super::legend;
@@ -12,6 +11,7 @@ use super::super::panel::draw_marker;
 use super::super::style::{
     self, BLACK, BLUE, FAINT, GREEN, GRID, INK, Look, Marker, ORANGE, VERMILLION, WIDTH, at, px,
 };
+use crate::report::record::theory::long_time::LongTimeRecord;
 
 /// Height of a row, pixels, and where the rows begin.
 const ROW: u32 = 27;

@@ -3,10 +3,10 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::super::super::theory::{OrderRecord, OrdersRecord};
 use super::super::canvas::{self, Area, ChartError};
 use super::super::legend;
 use super::super::style::{self, BLUE, GREY, INK, VERMILLION, at};
+use crate::report::record::theory::orders::{OrderRecord, OrdersRecord};
 use crate::report::words::number::two_decimals;
 
 /// Height of a row and widths of the columns, pixels.

@@ -1,11 +1,11 @@
 //! `small-steps.png`: error of the acceleration from one step, in (q, v) and in positions, against the step size.
 
-use super::super::super::theory::{SmallStepRecord, SmallStepsRecord};
 use super::super::axis::Axis;
 use super::super::canvas::{self, ChartError};
 use super::super::legend;
 use super::super::panel::{Panel, Words};
 use super::super::style::{BLUE, GREEN, Look, Marker, VERMILLION};
+use crate::report::record::theory::small_steps::{SmallStepRecord, SmallStepsRecord};
 
 const IN_VELOCITY: (&str, Look) = ("(q, v) form of the midpoint rule", Look { colour: BLUE, marker: Marker::Circle });
 const CURVED: (&str, Look) = ("(q, v) form on parabolas", Look { colour: GREEN, marker: Marker::Triangle });

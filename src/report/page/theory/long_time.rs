@@ -1,69 +1,11 @@
-//! Topic `long-time`: what all methods, and RK4, conserve over 2000 steps.
+//! The section of topic `long-time`.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::super::charts::{ChartError, theory::long_time};
-use super::{Data, Section, Table, Topic};
-use crate::discrete::figures::{LongTimeRow, long_time_row, runge_kutta_row};
-use crate::discrete::methods::METHODS;
-use crate::discrete::solve::SolveError;
+use super::section::Section;
+use super::table::Table;
+use crate::report::charts::{ChartError, theory::long_time};
 use crate::report::page::document::Picture;
+use crate::report::record::theory::long_time::LongTimeRecord;
 use crate::report::words::number::{short, written};
-
-pub(super) const TOPIC: Topic = Topic {
-    name: "long-time",
-    summary: "energy, angular momentum and symplectic form of all methods over 2000 steps",
-    work: || METHODS.len() as u64 + 1,
-    compute,
-};
-
-/// What one method conserves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LongTimeRecord {
-    pub method: String,
-    pub variational: bool,
-    pub step_s: f64,
-    pub steps: usize,
-    /// Largest |H − H₀|.
-    #[serde(rename = "energy_error_J")]
-    pub energy_error_j: f64,
-    /// The slope of the energy error times the length of the run.
-    #[serde(rename = "energy_drift_J")]
-    pub energy_drift_j: f64,
-    /// Largest error of the angular momentum, kg m²/s.
-    pub momentum_error: f64,
-    /// Largest entry of AᵀJA − J for the derivative A of one step.
-    pub symplecticity_defect: f64,
-}
-
-impl LongTimeRecord {
-    fn new(row: &LongTimeRow, variational: bool) -> LongTimeRecord {
-        LongTimeRecord {
-            method: row.method.to_string(),
-            variational,
-            step_s: row.step,
-            steps: row.steps,
-            energy_error_j: row.energy_error,
-            energy_drift_j: row.energy_slope.abs() * row.step * row.steps as f64,
-            momentum_error: row.momentum_error,
-            symplecticity_defect: row.symplecticity_defect,
-        }
-    }
-}
-
-fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
-    let mut rows = Vec::new();
-    for method in METHODS {
-        rows.extend(long_time_row(method)?.map(|row| LongTimeRecord::new(&row, true)));
-        done.fetch_add(1, Ordering::Relaxed);
-    }
-    rows.push(LongTimeRecord::new(&runge_kutta_row()?, false));
-    done.fetch_add(1, Ordering::Relaxed);
-    Ok(Data::LongTime(rows))
-}
 
 pub(super) fn section(rows: &[LongTimeRecord]) -> Result<Section, ChartError> {
     let worst = |variational: bool, of: fn(&LongTimeRecord) -> f64| {

@@ -1,66 +1,11 @@
-//! Topic `small-steps`: one step in `(q, v)` against one in positions as `h` goes to 0 (PC section 2.4).
+//! The section of topic `small-steps`.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::super::charts::{ChartError, theory::small_steps};
-use super::{Data, Section, Table, Topic};
-use crate::discrete::order::problems;
-use crate::discrete::solve::SolveError;
-use crate::discrete::tangent;
+use super::section::Section;
+use super::table::Table;
+use crate::report::charts::{ChartError, theory::small_steps};
 use crate::report::page::document::Picture;
+use crate::report::record::theory::small_steps::SmallStepsRecord;
 use crate::report::words::number::{short, written};
-
-pub(super) const TOPIC: Topic = Topic {
-    name: "small-steps",
-    summary: "Patrick and Cuell, section 2.4: steps in (q, v) keep their accuracy down to h = 1e-12 s",
-    work: || problems().len() as u64,
-    compute,
-};
-
-/// Steps from 10^-0.5 to 10^-12 s, two a decade.
-const HALF_DECADES: std::ops::RangeInclusive<i32> = 1..=24;
-
-/// One problem.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct SmallStepsRecord {
-    pub problem: String,
-    pub steps: Vec<SmallStepRecord>,
-}
-
-/// Errors of the acceleration from one step of the midpoint rule, m/s^2 or rad/s^2.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct SmallStepRecord {
-    pub step_s: f64,
-    /// From the equations in `(q, v)` divided by `h`.
-    pub blown_up: f64,
-    /// The same with osculating parabolas for the straight curves.
-    pub curved: f64,
-    /// From `(q2 - 2 q1 + q0)/h^2`.
-    pub position_form: f64,
-}
-
-fn compute(done: &AtomicU64) -> Result<Data, SolveError> {
-    let steps: Vec<f64> = HALF_DECADES.map(|k| 10f64.powf(-0.5 * f64::from(k))).collect();
-    let mut records = Vec::new();
-    for problem in problems() {
-        let rows = tangent::small_steps(&problem, &steps)?;
-        let steps = rows
-            .iter()
-            .map(|r| SmallStepRecord {
-                step_s: r.h,
-                blown_up: r.blown_up,
-                curved: r.curved,
-                position_form: r.position_form,
-            })
-            .collect();
-        records.push(SmallStepsRecord { problem: problem.name.to_string(), steps });
-        done.fetch_add(1, Ordering::Relaxed);
-    }
-    Ok(Data::SmallSteps(records))
-}
 
 pub(super) fn section(problems: &[SmallStepsRecord]) -> Result<Section, ChartError> {
     // From here on the position form has nothing but roundoff left.

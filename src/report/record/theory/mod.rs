@@ -1,0 +1,9 @@
+//! What `theory` writes, one file a topic.
+
+mod data;
+pub mod energy;
+pub mod long_time;
+pub mod orders;
+pub mod small_steps;
+
+pub use data::{Data, FILE_SCHEMA, TheoryFile};

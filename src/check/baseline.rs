@@ -5,8 +5,9 @@
 //! to another engine in the same report only, and is worse when that ratio has grown by more than [`TIME_FACTOR`]: a slower machine
 //! changes no ratio.
 
+use super::need::Need;
 use super::requirement::shown;
-use super::run::{self, Need, Unit};
+use super::run::{self, Unit};
 use crate::engines::{self, Spec};
 use crate::measure::Horizon;
 use crate::mechanics::System;

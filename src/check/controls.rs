@@ -3,8 +3,9 @@
 //! A bound that none of them breaks shows nothing about an integrator. That may be right (coordinates without constraints
 //! cannot violate any), but it should be known.
 
+use super::judge::{Finding, judge};
+use super::requirement::Requirement;
 use super::run::{self, Unit};
-use super::{Finding, Requirement, judge};
 use crate::engines::{self, Role, Spec};
 use crate::mechanics::System;
 use crate::report::Report;

@@ -1,6 +1,6 @@
 //! Annotations of GitHub Actions: `::error file=...,title=...::message` on stdout.
 
-use super::Finding;
+use super::judge::Finding;
 
 /// Set by GitHub Actions to `true`, and to the file that the summary of a job is added to.
 pub const ACTIONS: &str = "GITHUB_ACTIONS";

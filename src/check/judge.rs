@@ -1,6 +1,6 @@
 //! Whether the figures of a report keep to the bounds.
 
-use super::Requirement;
+use super::requirement::Requirement;
 use super::requirement::shown;
 use super::run::TRUTH_BUDGET;
 use crate::engines::Spec;

@@ -2,7 +2,7 @@
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-use super::Finding;
+use super::judge::Finding;
 
 /// The XML of several scenes.
 ///

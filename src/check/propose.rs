@@ -9,8 +9,9 @@ use crate::report::Report;
 use crate::report::record::metrics::{METRICS, VERDICT};
 use crate::report::record::run::{Outcome, Run};
 
-use super::QUICK_STEPS;
-use super::run::{self, Need, Unit};
+use super::need::Need;
+use super::run::{self, Unit};
+use super::scope::QUICK_STEPS;
 
 /// Figures of this size are roundoff of the arithmetic; no bound is proposed below.
 const FLOOR: f64 = 1e-15;

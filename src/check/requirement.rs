@@ -1,6 +1,6 @@
 //! A bound that has been checked: its engine, figure and run exist.
 
-use super::run::Need;
+use super::need::Need;
 use crate::engines::{Spec, SpecError};
 use crate::measure::Horizon;
 use crate::measure::growth::Verdict;

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::Requirement;
+use super::need::Need;
+use super::requirement::Requirement;
 use crate::engines::Spec;
 use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress, Results};
@@ -22,27 +23,6 @@ pub struct Unit {
     pub engines: Vec<Spec>,
     pub horizon: Horizon,
     pub need: Need,
-}
-
-/// What is measured beside a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Need {
-    /// Processor time.
-    pub timed: bool,
-    /// Positions against the truth.
-    pub compared: bool,
-    /// What a few steps preserve.
-    pub examined: bool,
-}
-
-impl Need {
-    fn or(self, other: Need) -> Need {
-        Need {
-            timed: self.timed || other.timed,
-            compared: self.compared || other.compared,
-            examined: self.examined || other.examined,
-        }
-    }
 }
 
 /// How the runs are taken.

@@ -1,6 +1,6 @@
 //! The findings as Markdown.
 
-use super::Finding;
+use super::judge::Finding;
 
 /// A scene's part of a summary.
 #[derive(Debug)]

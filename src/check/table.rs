@@ -1,6 +1,6 @@
 //! The findings as text.
 
-use super::Finding;
+use super::judge::Finding;
 use crate::report::words::number::duration;
 
 /// A heading and a line for each bound.

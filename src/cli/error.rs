@@ -4,8 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::check::CheckError;
-use crate::check::propose::ProposeError;
+use crate::check::{CheckError, SessionError};
 use crate::discrete::solve::SolveError;
 use crate::engines::{SpecError, Unsupported};
 use crate::measure::HorizonError;
@@ -69,15 +68,20 @@ pub enum CliError {
     #[error(transparent)]
     Check(#[from] CheckError),
     #[error(transparent)]
-    Propose(#[from] ProposeError),
+    Session(SessionError),
     #[error("{broken} of {bounds} bounds broken{}", worse_text(*.worse))]
     Broken { broken: usize, bounds: usize, worse: usize },
-    #[error("the JUnit file cannot be made: {0}")]
-    Junit(#[from] quick_junit::SerializeError),
-    #[error("GITHUB_STEP_SUMMARY {path}: {error}", path = path.display())]
-    Summary { path: PathBuf, error: io::Error },
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<SessionError> for CliError {
+    fn from(error: SessionError) -> CliError {
+        match error {
+            SessionError::Interrupted => CliError::Interrupted,
+            error => CliError::Session(error),
+        }
+    }
 }
 
 impl CliError {

@@ -108,10 +108,10 @@ struct JointRow {
     initial_velocity: Vec<f64>,
 }
 
-impl Inspection {
-    fn of(scene: &Scene) -> Self {
-        let model = &scene.model;
-        let initial_base = match &scene.base {
+impl BaseRow {
+    /// `None` for a base that does not move.
+    fn of(base: &Base) -> Option<BaseRow> {
+        match base {
             Base::Fixed => None,
             Base::Floating { pose, linear_velocity, angular_velocity } => {
                 let q = pose.rotation;
@@ -122,7 +122,14 @@ impl Inspection {
                     angular_velocity: (*angular_velocity).into(),
                 })
             }
-        };
+        }
+    }
+}
+
+impl Inspection {
+    fn of(scene: &Scene) -> Self {
+        let model = &scene.model;
+        let initial_base = BaseRow::of(&scene.base);
         let floating = initial_base.is_some();
         let welded_links = model.joints.iter().filter(|j| j.kind.is_weld()).count();
         let link = |link: &crate::model::Link| LinkRow {

@@ -71,7 +71,7 @@ pub(super) fn time(
 ) -> bool {
     let worth = |run: &Run| match run.trace.outcome {
         Outcome::Completed | Outcome::OverBudget { .. } => run.trace.steps > 0,
-        _ => false,
+        Outcome::Diverged { .. } | Outcome::NotConverged { .. } | Outcome::Unsupported { .. } => false,
     };
     let timings = {
         let candidates: Vec<Candidate> = runs

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::growth::{Growth, Stretch, Verdict, growth};
 use crate::measure::outcome::Outcome;
+use crate::numeric::larger;
 
 /// Errors up to this part of their scale are accurate.
 pub const ACCURATE: f64 = 1e-3;
@@ -119,7 +120,7 @@ pub fn classify(evidence: &Evidence) -> Class {
             return Class::Refused;
         }
         Some(Outcome::Diverged { .. }) => return Class::BlowUp,
-        _ => {}
+        Some(Outcome::Completed | Outcome::Unsupported { .. } | Outcome::NotConverged { .. }) => {}
     }
     let largest = largest(evidence.energy);
     if !(largest <= BLOW_UP) {
@@ -150,11 +151,13 @@ fn by_energy(energy: &[Stretch], largest: f64) -> Class {
     if largest > WHOLE || stays {
         return directed;
     }
-    match growth(energy, false).map(|Growth { verdict, .. }| verdict) {
-        Some(Verdict::Bounded) | None => Class::Bounded,
-        _ if comes_back(energy, largest) || widening(energy) < WIDER => Class::Bounded,
-        Some(Verdict::RandomWalk) => Class::Drifting,
-        _ => directed,
+    let Some(Growth { verdict, .. }) = growth(energy, false) else { return Class::Bounded };
+    let grows = || !comes_back(energy, largest) && !(widening(energy) < WIDER);
+    match verdict {
+        Verdict::Bounded => Class::Bounded,
+        Verdict::RandomWalk if grows() => Class::Drifting,
+        Verdict::Drift | Verdict::BlowUp if grows() => directed,
+        Verdict::RandomWalk | Verdict::Drift | Verdict::BlowUp => Class::Bounded,
     }
 }
 
@@ -162,7 +165,7 @@ fn by_energy(energy: &[Stretch], largest: f64) -> Class {
 fn largest(energy: &[Stretch]) -> f64 {
     let sizes =
         energy.iter().map(|stretch| stretch.error.min.abs().max(stretch.error.max.abs()) + 0.0 * stretch.error.mean);
-    sizes.fold(0.0, |all, one| if one.is_nan() || one > all { one } else { all })
+    sizes.fold(0.0, larger)
 }
 
 /// The spread of the error, which begins at zero, over the whole run over that of its first half.

@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::topic::{Computed, Topic};
-use crate::discrete::figures::{LongTimeRow, long_time_row, runge_kutta_row};
+use super::topic::{Computed, Conserved, Topic};
+use crate::discrete::figures::{long_time_row, runge_kutta_row};
 use crate::discrete::methods::METHODS;
 use crate::discrete::solve::SolveError;
 
@@ -13,12 +13,6 @@ pub(crate) const TOPIC: Topic = Topic {
     work: || METHODS.len() as u64 + 1,
     compute,
 };
-
-/// What one method conserves.
-pub struct Conserved {
-    pub row: LongTimeRow,
-    pub variational: bool,
-}
 
 fn compute(done: &AtomicU64) -> Result<Computed, SolveError> {
     let mut rows = Vec::new();

@@ -7,7 +7,7 @@ pub(crate) mod orders;
 pub(crate) mod small_steps;
 mod topic;
 
-pub use topic::{Computed, Topic};
+pub use topic::{Computed, Conserved, ProblemOrders, ProblemSteps, Topic};
 
 /// All topics, in the order of the page. A new one is a file, a line here, a kind of [`Computed`] with its record, and a section
 /// of the page.

@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::topic::{Computed, Topic};
+use super::topic::{Computed, ProblemOrders, Topic};
 use crate::discrete::methods::METHODS;
-use crate::discrete::order::{OrderRow, order_row, problems};
+use crate::discrete::order::{order_row, problems};
 use crate::discrete::solve::SolveError;
 use crate::measure::threads;
 
@@ -14,12 +14,6 @@ pub(crate) const TOPIC: Topic = Topic {
     work: || (METHODS.len() * problems().len()) as u64,
     compute,
 };
-
-/// All methods on one problem, but for those that cannot be used there.
-pub struct ProblemOrders {
-    pub problem: &'static str,
-    pub methods: Vec<OrderRow>,
-}
 
 /// Rows are independent: as many threads as there are cores take one after the other.
 fn compute(done: &AtomicU64) -> Result<Computed, SolveError> {

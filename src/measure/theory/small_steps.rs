@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::topic::{Computed, Topic};
+use super::topic::{Computed, ProblemSteps, Topic};
 use crate::discrete::order::problems;
 use crate::discrete::solve::SolveError;
-use crate::discrete::tangent::{self, SmallStep};
+use crate::discrete::tangent;
 
 pub(crate) const TOPIC: Topic = Topic {
     name: "small-steps",
@@ -16,12 +16,6 @@ pub(crate) const TOPIC: Topic = Topic {
 
 /// Steps from 10^-0.5 to 10^-12 s, two a decade.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = 1..=24;
-
-/// Errors on one problem, step by step.
-pub struct ProblemSteps {
-    pub problem: &'static str,
-    pub steps: Vec<SmallStep>,
-}
 
 fn compute(done: &AtomicU64) -> Result<Computed, SolveError> {
     let steps: Vec<f64> = HALF_DECADES.map(|k| 10f64.powf(-0.5 * f64::from(k))).collect();

@@ -2,11 +2,10 @@
 
 use std::sync::atomic::AtomicU64;
 
-use super::long_time::Conserved;
-use super::orders::ProblemOrders;
-use super::small_steps::ProblemSteps;
-use crate::discrete::figures::EnergyFigure;
+use crate::discrete::figures::{EnergyFigure, LongTimeRow};
+use crate::discrete::order::OrderRow;
 use crate::discrete::solve::SolveError;
+use crate::discrete::tangent::SmallStep;
 
 /// Something that the theory says and that is computed here.
 pub struct Topic {
@@ -23,4 +22,22 @@ pub enum Computed {
     Energy(EnergyFigure),
     LongTime(Vec<Conserved>),
     SmallSteps(Vec<ProblemSteps>),
+}
+
+/// What one method conserves.
+pub struct Conserved {
+    pub row: LongTimeRow,
+    pub variational: bool,
+}
+
+/// All methods on one problem, but for those that cannot be used there.
+pub struct ProblemOrders {
+    pub problem: &'static str,
+    pub methods: Vec<OrderRow>,
+}
+
+/// Errors on one problem, step by step.
+pub struct ProblemSteps {
+    pub problem: &'static str,
+    pub steps: Vec<SmallStep>,
 }

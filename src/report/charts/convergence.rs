@@ -76,9 +76,12 @@ fn of<'a>(sweep: &'a Sweep, c: &Convergence) -> Vec<&'a Run> {
 /// is small.
 fn label(c: &Convergence, points: &[(f64, f64)]) -> Option<((f64, f64), String)> {
     let coarse = points.iter().copied().find(|p| p.1 < 0.1);
-    match (c.verdict, c.order, c.floor) {
-        (Verdict::DoesNotConverge, _, Some(floor)) => Some((*points.last()?, format!("floor {}", short(floor)))),
-        (_, Some(order), _) => Some((coarse?, format!("order {}", plain(order, 2)))),
-        _ => None,
+    let floor = match c.verdict {
+        Verdict::DoesNotConverge => c.floor,
+        Verdict::Converges | Verdict::ToRoundoff | Verdict::NotSmall => None,
+    };
+    match floor {
+        Some(floor) => Some((*points.last()?, format!("floor {}", short(floor)))),
+        None => c.order.and_then(|order| Some((coarse?, format!("order {}", plain(order, 2))))),
     }
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::measure::theory::long_time::Conserved;
+use crate::measure::theory::Conserved;
 
 /// What one method conserves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::discrete::order::{OrderRow, OrderSample, Orders};
-use crate::measure::theory::orders::ProblemOrders;
+use crate::measure::theory::ProblemOrders;
 
 /// All methods on one problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

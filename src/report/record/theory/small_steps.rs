@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::discrete::tangent::SmallStep;
-use crate::measure::theory::small_steps::ProblemSteps;
+use crate::measure::theory::ProblemSteps;
 
 /// One problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

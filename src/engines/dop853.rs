@@ -1,14 +1,12 @@
 //! The Dormand-Prince pair of order 8(5,3) at a tolerance, in joint coordinates with articulated-body accelerations.
 //!
 //! Method, error estimate and step control are those of DOP853 (Hairer, Norsett and Wanner, Solving Ordinary
-//! Differential Equations I, 2nd ed. 1993, section II.10); the coefficients are those of the crate
-//! `differential-equations`, whose own stepping makes three more evaluations for a dense output and allocates. 12
-//! evaluations a step here, no allocation. The integration lands on every step of the run: to let the tolerance set the
+//! Differential Equations I, 2nd ed. 1993, section II.10), without its dense output. 12
+//! evaluations a step, no allocation. The integration lands on every step of the run: to let the tolerance set the
 //! cost, take a step that is longer than its own. Not symplectic: its energy drifts in proportion to time, the more the
 //! looser the tolerance.
 
-use differential_equations::tableau::ButcherTableau;
-
+use super::dormand_prince::tableau::{A, B, C, LESS_FIFTH, STAGES, THIRD};
 use super::engine::{Engine, StepFailure, Unsupported};
 use super::entry::{Entry, is_converged, usual_cost};
 use super::joint_coordinates::{GROUP, JointCoordinates, PARTS};
@@ -64,13 +62,10 @@ pub(super) const ENTRY: Entry = Entry {
     build,
 };
 
-const STAGES: usize = 12;
-
 fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, Unsupported> {
     let state = JointCoordinates::new(spec, system, step)?;
     let room = || vec![0.0; state.y.len()];
     let mut engine = Dop853 {
-        tableau: ButcherTableau::dop853(),
         tolerance: spec.number(&TOLERANCE),
         natural: step,
         rates: std::array::from_fn(|_| room()),
@@ -88,7 +83,6 @@ fn build(spec: &Values, system: &System, step: f64) -> Result<Box<dyn Engine>, U
 
 struct Dop853 {
     state: JointCoordinates,
-    tableau: ButcherTableau<f64, STAGES, 16>,
     tolerance: f64,
     /// The step that the control would take next, s.
     natural: f64,
@@ -140,20 +134,19 @@ impl Dop853 {
         for i in 1..STAGES {
             self.at.copy_from_slice(&self.state.y);
             let (known, rest) = self.rates.split_at_mut(i);
-            for (rate, a) in known.iter().zip(&self.tableau.a[i]).filter(|(_, a)| **a != 0.0) {
+            for (rate, a) in known.iter().zip(&A[i]).filter(|(_, a)| **a != 0.0) {
                 self.at.iter_mut().zip(rate).for_each(|(y, k)| *y += h * a * k);
             }
-            self.state.rates(reached + self.tableau.c[i] * h, &self.at, &mut rest[0])?;
+            self.state.rates(reached + C[i] * h, &self.at, &mut rest[0])?;
         }
-        let (b, er, bh) = (&self.tableau.b, &self.tableau.er, &self.tableau.bh);
         let (mut fifth, mut third) = (0.0, 0.0);
         for k in 0..self.next.len() {
             let along = |w: &[f64; STAGES]| w.iter().zip(&self.rates).map(|(w, rate)| w * rate[k]).sum::<f64>();
-            let slope = along(b);
+            let slope = along(&B);
             self.next[k] = self.state.y[k] + h * slope;
             let scale = self.tolerance * (1.0 + self.state.y[k].abs().max(self.next[k].abs()));
-            fifth += er.as_ref().map_or(0.0, |er| (along(er) / scale).powi(2));
-            third += bh.as_ref().map_or(0.0, |bh| ((slope - along(bh)) / scale).powi(2));
+            fifth += (along(&LESS_FIFTH) / scale).powi(2);
+            third += ((slope - along(&THIRD)) / scale).powi(2);
         }
         let mixed = fifth + 0.01 * third;
         let size = if mixed > 0.0 { (mixed * self.next.len() as f64).sqrt() } else { 1.0 };

@@ -7,6 +7,7 @@
 //! in its [`Entry`], and no other file names it.
 
 mod dop853;
+mod dormand_prince;
 mod engine;
 mod entry;
 mod explicit_euler;

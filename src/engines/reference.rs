@@ -2,19 +2,15 @@
 //!
 //! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`Dynamics`]), integrated by the
 //! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section
-//! II.10) of the crate `differential-equations`. Neither shares code with the variational core. Loops and mimic joints
+//! II.10; [`Integrator`]). Neither shares code with the variational core. Loops and mimic joints
 //! are held by the least force that does, and positions and velocities are taken back to the constraint manifold after
 //! each accepted step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its
 //! error estimate.
 //!
-//! The crate allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
+//! The integration allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
 //! accuracy and is no rival in speed. `dop853` is.
 
-use std::cell::RefCell;
-
-use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
-use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
-
+use super::dormand_prince::integrator::{Integrator, TooSmall};
 use super::engine::{Engine, StepFailure, Unsupported};
 use super::entry::{Entry, is_converged, usual_cost};
 use super::joint_coordinates::GROUP;
@@ -182,31 +178,20 @@ pub fn distance(a: &State, b: &State) -> f64 {
     })
 }
 
-/// `d/dt (q, v) = (qdot, a)`.
-struct Equations(RefCell<Dynamics>);
-
-impl ODE<f64, Vec<f64>> for Equations {
-    fn diff(&self, time: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
-        let mut dynamics = self.0.borrow_mut();
-        let (q, v) = y.split_at(dynamics.model().positions);
-        let (q_rate, v_rate) = rate.split_at_mut(q.len());
-        dynamics.model().rates(q, v, q_rate);
-        if dynamics.accelerations(time, q, v, v_rate).is_none() {
-            v_rate.fill(f64::NAN);
-        }
+/// `d/dt (q, v) = (qdot, a)`; not a number where the mass matrix is singular.
+fn rates(dynamics: &mut Dynamics, time: f64, y: &[f64], rate: &mut [f64]) {
+    let (q, v) = y.split_at(dynamics.model().positions);
+    let (q_rate, v_rate) = rate.split_at_mut(q.len());
+    dynamics.model().rates(q, v, q_rate);
+    if dynamics.accelerations(time, q, v, v_rate).is_none() {
+        v_rate.fill(f64::NAN);
     }
-}
-
-type Method = ExplicitRungeKutta<Ordinary, DormandPrince, f64, Vec<f64>, 8, 12, 16>;
-
-fn dormand_prince(tolerance: f64) -> Method {
-    ExplicitRungeKutta::dop853().rtol(tolerance).atol(tolerance).max_steps(usize::MAX)
 }
 
 /// An adaptive integration that lands on every time asked for.
 struct Integration {
-    equations: Equations,
-    method: Method,
+    dynamics: Dynamics,
+    integrator: Integrator,
     tolerance: f64,
     /// Whether there are loops or mimic joints.
     projects: bool,
@@ -219,9 +204,9 @@ impl Integration {
         let model = Model::new(system);
         let (mut y, v) = model.initial();
         y.extend(v);
-        let equations = Equations(RefCell::new(Dynamics::new(model)));
+        let mut dynamics = Dynamics::new(model);
         let mut rate = y.clone();
-        equations.diff(0.0, &y, &mut rate);
+        rates(&mut dynamics, 0.0, &y, &mut rate);
         if !rate.iter().all(|x| x.is_finite()) {
             let detail =
                 "t = 0 s: the mass matrix is singular, where a joint can move without moving any mass, or the rows of \
@@ -230,33 +215,34 @@ impl Integration {
             return Err(StepFailure::Diverged { detail });
         }
         let tree = system.parts.loops.is_empty() && system.parts.couplings.is_empty();
-        let mut method = dormand_prince(tolerance);
-        method.init(&equations, 0.0, f64::MAX, &y).map_err(|_| failure(0.0))?;
-        Ok(Integration { equations, method, tolerance, projects: !tree, left: u64::MAX })
+        let integrator = Integrator::new(tolerance, 0.0, y, None, &mut |t, y, rate| rates(&mut dynamics, t, y, rate))
+            .map_err(|TooSmall| failure(0.0))?;
+        Ok(Integration { dynamics, integrator, tolerance, projects: !tree, left: u64::MAX })
     }
 
     fn advance_to(&mut self, time: f64) -> Result<(), StepFailure> {
         loop {
-            let rest = time - self.method.t();
+            let before = self.integrator.time;
+            let rest = time - before;
             if rest <= 4.0 * f64::EPSILON * time {
                 return Ok(());
             }
-            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the
-            // next.
-            let natural = self.method.h();
+            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the next.
+            let natural = self.integrator.step;
             let shortened = natural > 0.5 * rest;
             if shortened {
-                self.method.set_h(if natural >= rest { rest } else { 0.5 * rest });
+                self.integrator.step = if natural >= rest { rest } else { 0.5 * rest };
             }
-            let before = self.method.t();
             self.left = self.left.checked_sub(1).ok_or_else(|| failure(before))?;
-            self.method.step(&self.equations).map_err(|_| failure(before))?;
-            if self.method.t() > before {
+            self.integrator
+                .step(&mut |t, y, rate| rates(&mut self.dynamics, t, y, rate))
+                .map_err(|TooSmall| failure(before))?;
+            if self.integrator.time > before {
                 if self.projects {
                     self.project()?;
                 }
                 if shortened {
-                    self.method.set_h(natural.max(self.method.h()));
+                    self.integrator.step = natural.max(self.integrator.step);
                 }
             }
         }
@@ -264,8 +250,8 @@ impl Integration {
 
     /// Closes the loops and starts the method anew from there.
     fn project(&mut self) -> Result<(), StepFailure> {
-        let (time, step, mut y) = (self.method.t(), self.method.h(), self.method.y().clone());
-        let mut dynamics = self.equations.0.borrow_mut();
+        let Integration { dynamics, integrator, tolerance, .. } = self;
+        let (time, step, mut y) = (integrator.time, integrator.step, integrator.y.clone());
         let (q, v) = y.split_at_mut(dynamics.model().positions);
         let (name, open) = dynamics.project(q, v).ok_or_else(|| failure(time))?;
         if !(open <= CLOSED) {
@@ -275,16 +261,15 @@ impl Integration {
             );
             return Err(StepFailure::Diverged { detail });
         }
-        drop(dynamics);
-        self.method = dormand_prince(self.tolerance).h0(step);
-        self.method.init(&self.equations, time, f64::MAX, &y).map_err(|_| failure(time))?;
+        *integrator = Integrator::new(*tolerance, time, y, Some(step), &mut |t, y, rate| rates(dynamics, t, y, rate))
+            .map_err(|TooSmall| failure(time))?;
         Ok(())
     }
 
     fn write_state(&self, out: &mut State) {
-        let dynamics = self.equations.0.borrow();
-        let (q, v) = self.method.y().split_at(dynamics.model().positions);
-        dynamics.model().write_state(q, v, out);
+        let model = self.dynamics.model();
+        let (q, v) = self.integrator.y.split_at(model.positions);
+        model.write_state(q, v, out);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use rattlebench::engines::{self, Spec};
-use rattlebench::mechanics::{State, System, energy};
+use rattlebench::mechanics::{State, System};
 use rattlebench::model::JointKind::{Prismatic, Revolute};
 use rattlebench::model::scene::Spring;
 use rattlebench::variational::{Adaptive, Rattle};
@@ -13,11 +13,6 @@ fn adaptive(system: &System, tolerance: f64) -> Adaptive {
     Adaptive::new(system, Rattle::new(system).unwrap(), tolerance)
 }
 
-fn error(system: &System, state: &State) -> f64 {
-    let start = energy::energy(system, &system.initial).total();
-    (energy::energy(system, state).total() - start) / system.energy_scale
-}
-
 /// The largest energy error over the nodes up to a time, and the number of steps.
 fn run(system: &System, tolerance: f64, duration: f64) -> (f64, u64) {
     let mut adaptive = adaptive(system, tolerance);
@@ -25,7 +20,7 @@ fn run(system: &System, tolerance: f64, duration: f64) -> (f64, u64) {
     while adaptive.node_time() < duration {
         adaptive.step_node().unwrap();
         adaptive.write_node(&mut state);
-        worst = worst.max(error(system, &state).abs());
+        worst = worst.max(energy_error(system, &state).abs());
     }
     (worst, adaptive.steps())
 }
@@ -73,7 +68,7 @@ fn drift(system: &System, steps: usize, mut step: impl FnMut(&mut State)) -> (f6
     let (mut first, mut last) = (0.0, 0.0);
     for k in 0..steps {
         step(&mut state);
-        let part = error(system, &state) / (steps / 10) as f64;
+        let part = energy_error(system, &state) / (steps / 10) as f64;
         if k < steps / 10 {
             first += part;
         } else if k >= steps - steps / 10 {
@@ -128,7 +123,7 @@ fn variable_steps_pay_where_the_motion_is_uneven() {
         for _ in 0..steps {
             rattle.step(5.0 / steps as f64).unwrap();
             rattle.write_state(&mut state);
-            worst = worst.max(error(system, &state).abs());
+            worst = worst.max(energy_error(system, &state).abs());
         }
         worst
     };
@@ -149,7 +144,7 @@ fn output_does_not_disturb_the_steps() {
     for name in ["five links", "slider_crank", "four_bar"] {
         let system = match name {
             "five links" => five_links(),
-            _ => compile(&rattlebench::model::Scene::load(format!("models/{name}/scene.json")).unwrap()),
+            _ => shipped(name),
         };
         let (mut often, mut seldom) = (adaptive(&system, 1e-4), adaptive(&system, 1e-4));
         (1..=1000).for_each(|k| often.advance_to(1e-3 * f64::from(k)).unwrap());
@@ -161,7 +156,7 @@ fn output_does_not_disturb_the_steps() {
         often.write_state(&mut a);
         seldom.write_state(&mut b);
         assert_eq!(a, b, "{name}");
-        let error = error(&system, &a).abs();
+        let error = energy_error(&system, &a).abs();
         println!("{name}: {} steps, error {error:.1e}", seldom.steps());
         // measured at most 5.9e-5
         assert!(error <= 1e-4, "{name}: {error:e}");

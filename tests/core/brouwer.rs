@@ -1,7 +1,6 @@
 //! The energy error of order 8 grows like a random walk of roundoff (Brouwer 1937; Hairer, McLachlan and Razakarivony 2008).
 
 use rattlebench::mechanics::{System, energy};
-use rattlebench::model::Scene;
 use rattlebench::variational::{Failure, Rattle, composition};
 
 use crate::common::*;
@@ -43,7 +42,7 @@ fn chain_of_three(run: usize) -> System {
 
 /// The shipped crank-rocker, whose crank goes round, each time with a little more gravity.
 fn four_bar(run: usize) -> System {
-    let mut scene = Scene::load(format!("{}/models/four_bar/scene.json", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let mut scene = shipped_scene("four_bar");
     scene.gravity *= 1.0 + 1e-3 * run as f64;
     compile(&scene)
 }
@@ -112,7 +111,7 @@ fn roundoff_leaves_a_random_walk_on_a_linkage() {
 
 /// The shipped rod, which goes round at 12 rad/s below and 5 rad/s above, each time with a little more gravity.
 fn spinning_pendulum(run: usize) -> System {
-    let mut scene = Scene::load(format!("{}/models/pendulum/scene.json", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let mut scene = shipped_scene("pendulum");
     scene.initial[0].velocity = vec![12.0];
     scene.gravity *= 1.0 + 1e-3 * run as f64;
     compile(&scene)

@@ -16,7 +16,6 @@ use rattlebench::engines::{self, Spec, StepFailure};
 use rattlebench::measure::structure::PhaseChart;
 use rattlebench::mechanics::{Anchor, JointSpring, PointSpring, State, System, constraint};
 use rattlebench::model::JointKind::*;
-use rattlebench::model::Scene;
 use rattlebench::variational::energy_momentum::Report;
 use rattlebench::variational::{EnergyMomentum, Failure, Rattle, Rotation, composition};
 
@@ -140,7 +139,6 @@ fn discrete_energy(system: &System, state: &State, h: f64) -> f64 {
 
 #[test]
 fn the_discrete_energy_is_held_to_roundoff_and_fixed_steps_do_not_hold_it() {
-    let shipped = |name: &str| compile(&Scene::load(format!("models/{name}/scene.json")).unwrap());
     let systems = [spinning_rod(), whirl(), shipped("heavy_top"), shipped("hung_plate")];
     for (system, h) in systems.iter().zip([1e-2, 1e-2, 1e-3, 1e-3]) {
         let report = run(system, h, 20.0);
@@ -194,10 +192,7 @@ fn turned_round_it_passes_its_nodes_again() {
         let mut state = system.initial.clone();
         varied.write_node(&mut state);
         assert!(distance(&state, &system.initial) > 0.1);
-        for b in &mut state.bodies {
-            b.velocity.neg_mut();
-            b.angular_velocity.neg_mut();
-        }
+        state = reversed(state);
         let back = Rattle::from_state(&system, &state).unwrap();
         let mut varied = EnergyMomentum::with_energy(back, varied.step_size(), energy);
         for _ in 0..200 {
@@ -401,7 +396,7 @@ fn output_does_not_disturb_the_steps() {
 
 #[test]
 fn a_linkage_keeps_its_discrete_energy() {
-    let mut scene = Scene::load("models/four_bar/scene.json").unwrap();
+    let mut scene = shipped_scene("four_bar");
     scene.gravity = Vector3::zeros();
     scene.initial.iter_mut().for_each(|joint| joint.velocity.iter_mut().for_each(|v| *v *= 10.0));
     let system = compile(&scene);
@@ -415,7 +410,7 @@ fn a_linkage_keeps_its_discrete_energy() {
 fn settings_that_do_not_go_with_it_are_refused_with_a_reason() {
     let mut damped = alternating(2);
     damped.model.joints[1].damping = 0.1;
-    let driven = Scene::load("models/driven_arm/scene.json").unwrap();
+    let driven = shipped_scene("driven_arm");
     let cases = [
         (alternating(2), "rattle:method=energy_momentum,order=4", "order 2"),
         (alternating(2), "rattle:method=energy_momentum,step=adaptive", "varies the step"),

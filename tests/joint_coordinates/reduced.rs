@@ -189,28 +189,6 @@ fn zoo() -> System {
     compile(&scene)
 }
 
-fn run(text: &str, system: &System, step: f64, steps: usize) -> State {
-    let spec = Spec::parse(text).unwrap_or_else(|e| panic!("{e}"));
-    let mut engine = engines::build(&spec, system, step).unwrap_or_else(|e| panic!("{e}"));
-    for _ in 0..steps {
-        engine.step().unwrap_or_else(|e| panic!("{text}: {e}"));
-    }
-    let mut state = system.initial.clone();
-    engine.write_state(&mut state);
-    state
-}
-
-/// Slope of log y over log x, least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x.ln() / n, b + y.ln() / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
-        let (dx, dy) = (x.ln() - mx, y.ln() - my);
-        (a + dx * dy, b + dx * dx)
-    });
-    xy / xx
-}
-
 #[test]
 fn every_method_has_its_order_on_a_chain_of_every_joint_type() {
     orders(&zoo(), &[20, 28, 40, 56]);
@@ -233,7 +211,7 @@ fn orders(system: &System, eighth: &[usize]) {
         ("explicit_euler", 1.0, &[800, 1131, 1600, 2263]),
     ];
     for (text, order, counts) in cases {
-        let error = |&n: &usize| (0.4 / n as f64, distance(&run(text, system, 0.4 / n as f64, n), reference));
+        let error = |&n: &usize| (0.4 / n as f64, distance(&run_engine(text, system, 0.4 / n as f64, n), reference));
         let points: Vec<_> = counts.iter().map(error).collect();
         let found = slope(&points);
         println!("{text} {found:.2} {points:?}");
@@ -247,24 +225,20 @@ fn the_error_of_dop853_follows_its_tolerance() {
     let system = zoo();
     let reference = &trajectory(&system, &[0.4]).unwrap().states[0];
     let errors = ["1e-5", "1e-7", "1e-9", "1e-11"]
-        .map(|tolerance| distance(&run(&format!("dop853:tolerance={tolerance}"), &system, 0.2, 2), reference));
+        .map(|tolerance| distance(&run_engine(&format!("dop853:tolerance={tolerance}"), &system, 0.2, 2), reference));
     println!("{errors:?}");
     // measured 1.5e-7, 2.6e-9, 8.1e-11, 9.6e-13
     for (error, bound) in errors.into_iter().zip([4e-7, 7e-9, 2e-10, 3e-12]) {
         assert!(error <= bound, "{errors:?}");
     }
-    let fine = distance(&run("dop853:tolerance=1e-5", &system, 0.001, 400), reference);
+    let fine = distance(&run_engine("dop853:tolerance=1e-5", &system, 0.001, 400), reference);
     assert!(fine < 1e-2 * errors[0], "it lands on every step: {fine:e}");
 }
 
 /// The system released from where another one has come to, everything turned round.
-fn reversed(system: &System, state: &State) -> System {
+fn turned_round(system: &System, state: &State) -> System {
     let mut back = system.clone();
-    back.initial = state.clone();
-    for body in &mut back.initial.bodies {
-        body.velocity.neg_mut();
-        body.angular_velocity.neg_mut();
-    }
+    back.initial = reversed(state.clone());
     let mut joints = vec![JointCoordinates::default(); system.bodies.len()];
     joint_coordinates(&back, &back.initial, &mut joints);
     back.initial_coordinates = joints;
@@ -275,7 +249,7 @@ fn reversed(system: &System, state: &State) -> System {
 fn galerkin_is_reversible_and_runge_kutta_is_not() {
     let system = zoo();
     let there_and_back = |text: &str| {
-        let back = run(text, &reversed(&system, &run(text, &system, 0.01, 40)), 0.01, 40);
+        let back = run_engine(text, &turned_round(&system, &run_engine(text, &system, 0.01, 40)), 0.01, 40);
         distance(&back, &system.initial)
     };
     for stages in 2..=8 {
@@ -342,7 +316,7 @@ fn defect(system: &System, text: &str) -> f64 {
             from.initial_coordinates[i].position[0] = y[i];
             from.initial_coordinates[i].velocity[0] = v[i];
         }
-        let end = run(text, &from, 0.03, 1);
+        let end = run_engine(text, &from, 0.03, 1);
         let mut joints = vec![JointCoordinates::default(); n];
         joint_coordinates(system, &end, &mut joints);
         let q: Vec<f64> = joints.iter().map(|j| j.position[0]).collect();
@@ -409,7 +383,7 @@ fn a_joint_spring_swings_with_the_frequency_of_the_textbook() {
     let inertia = rod().inertia[(1, 1)] + 0.15 * 0.15;
     let expected = rest + (0.7 - rest) * ((stiffness / inertia).sqrt() * 1.5).cos();
     for text in ["reference", "galerkin:stages=6", "dop853:tolerance=1e-13"] {
-        let state = run(text, &system, 0.05, 30);
+        let state = run_engine(text, &system, 0.05, 30);
         let mut joints = [JointCoordinates::default()];
         joint_coordinates(&system, &state, &mut joints);
         let error = joints[0].position[0] - expected;
@@ -421,18 +395,12 @@ fn a_joint_spring_swings_with_the_frequency_of_the_textbook() {
 
 #[test]
 fn what_the_joint_coordinates_do_not_hold_is_refused_by_name() {
-    let scene = model::Scene::load("models/four_bar/scene.json").unwrap();
-    let system = compile(&scene);
+    let system = shipped("four_bar");
     for name in ["galerkin", "dop853", "rk4", "semi_implicit_euler", "explicit_euler"] {
         let refusal = engines::build(&Spec::parse(name).unwrap(), &system, 1e-3).err().unwrap();
         assert_eq!(refusal.to_string(), format!("engine '{name}' does not support loops"));
     }
     assert!(system.bodies.iter().all(|b| b.joint.kind == JointKind::Revolute));
-}
-
-/// A shipped scene.
-fn shipped(name: &str) -> System {
-    compile(&model::Scene::load(format!("models/{name}/scene.json")).unwrap())
 }
 
 /// Steps of 2 to 4 rad, where the rounds are no contraction at every start and Newton's method takes over: the stages lie on
@@ -453,10 +421,10 @@ fn steps_of_several_radians_find_their_stages() {
     for (name, stages, steps, bound) in cases {
         let (system, text) = (shipped(name), format!("galerkin:stages={stages}"));
         let reference = &trajectory(&system, &[0.1 * steps as f64]).unwrap().states[0];
-        let there = run(&text, &system, 0.1, steps);
+        let there = run_engine(&text, &system, 0.1, steps);
         let error = distance(&there, reference);
-        let back = run(&text, &reversed(&system, &there), 0.1, 1);
-        let missed = distance(&back, &run(&text, &system, 0.1, steps - 1));
+        let back = run_engine(&text, &turned_round(&system, &there), 0.1, 1);
+        let missed = distance(&back, &run_engine(&text, &system, 0.1, steps - 1));
         println!("{text} {name} {error:.1e} {missed:.1e}");
         // Of the way there and back measured 2.7e-16 to 5.0e-13.
         assert!(error <= bound && missed <= 1.5e-12, "{text} {name}: {error:e} {missed:e}");

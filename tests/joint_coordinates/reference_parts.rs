@@ -2,33 +2,17 @@
 
 use nalgebra::{Isometry3, Unit, Vector3};
 use rattlebench::engines::reference::{distance, trajectory};
-use rattlebench::engines::{self, Spec};
-use rattlebench::mechanics::{Anchor, Drive, PointSpring, State, System};
+use rattlebench::mechanics::{Anchor, Drive, PointSpring, System};
 use rattlebench::model::scene::{FixedFrame, Loop, LoopKind};
-use rattlebench::model::{JointKind, Mimic, Scene};
+use rattlebench::model::{JointKind, Mimic};
 
 use crate::common::*;
-
-fn shipped(name: &str) -> System {
-    let scene = Scene::load(format!("models/{name}/scene.json")).unwrap_or_else(|e| panic!("{e}"));
-    compile(&scene)
-}
-
-fn run(text: &str, system: &System, step: f64, steps: usize) -> State {
-    let spec = Spec::parse(text).unwrap_or_else(|e| panic!("{e}"));
-    let mut engine = engines::build(&spec, system, step).unwrap_or_else(|e| panic!("{e}"));
-    for _ in 0..steps {
-        engine.step().unwrap_or_else(|e| panic!("{}: {e}", system.name));
-    }
-    let mut state = system.initial.clone();
-    engine.write_state(&mut state);
-    state
-}
+use crate::reference::extrapolated_errors;
 
 /// Distance from `rattle:order=8` at the end, and the reference's own estimate.
 fn disagreement(system: &System, step: f64, duration: f64) -> (f64, f64) {
     let reference = trajectory(system, &[duration]).unwrap_or_else(|e| panic!("{}: {e}", system.name));
-    let rattle = run("rattle:order=8", system, step, (duration / step).round() as usize);
+    let rattle = run_engine("rattle:order=8", system, step, (duration / step).round() as usize);
     let travelled = distance(&system.initial, &reference.states[0]);
     let (error, estimate) = (distance(&rattle, &reference.states[0]), reference.error_estimate[0]);
     println!("{:16} {error:.1e}, estimate {estimate:.1e}, travelled {travelled:.2}", system.name);
@@ -127,7 +111,7 @@ fn the_reference_agrees_with_others_on_springs_between_points_and_drives() {
     // measured 1.6e-11 (4.7e-11 at half the step) and 3.0e-13
     assert!(error <= 4e-11 && estimate <= 8e-13, "{error:e} {estimate:e}");
     let reference = trajectory(&system, &[1.0]).unwrap();
-    let error = distance(&run("galerkin:stages=8", &system, 5e-3, 200), &reference.states[0]);
+    let error = distance(&run_engine("galerkin:stages=8", &system, 5e-3, 200), &reference.states[0]);
     // measured 6.0e-13 and 6.8e-11
     assert!(error <= 1.5e-12 && reference.error_estimate[0] <= 2e-10, "{error:e}");
     // Negative control: the springs matter.
@@ -144,13 +128,7 @@ fn disagreement_of(a: &System, b: &System) -> f64 {
 #[test]
 fn the_reference_agrees_with_rattle_on_damped_springs_as_far_as_order_two_goes() {
     let system = sprung(1.5);
-    let reference = trajectory(&system, &[0.5]).unwrap();
-    let errors = [500, 1000, 2000].map(|steps| {
-        let (coarse, fine) =
-            (run("rattle", &system, 0.5 / steps as f64, steps), run("rattle", &system, 0.25 / steps as f64, 2 * steps));
-        let positions = coarse.bodies.iter().zip(&fine.bodies).zip(&reference.states[0].bodies);
-        positions.map(|((c, f), r)| ((4.0 * f.position - c.position) / 3.0 - r.position).norm()).fold(0.0, f64::max)
-    });
+    let errors = extrapolated_errors(&system);
     println!("{errors:?}");
     // measured 5.9e-10, 3.7e-11, 2.3e-12: order 4
     assert!(errors[0] <= 1.5e-9 && errors[2] > 0.0, "{errors:?}");
@@ -162,7 +140,7 @@ fn the_reference_agrees_with_rattle_on_damped_springs_as_far_as_order_two_goes()
 fn the_reference_follows_a_stiff_joint_that_rattle_steps_over() {
     let system = shipped("stiff_joint");
     let reference = trajectory(&system, &[0.02]).unwrap();
-    let rattle = run("rattle:order=8", &system, 1e-3, 20);
+    let rattle = run_engine("rattle:order=8", &system, 1e-3, 20);
     let (error, estimate) = (distance(&rattle, &reference.states[0]), reference.error_estimate[0]);
     let travelled = distance(&system.initial, &reference.states[0]);
     println!("{error:.1e}, estimate {estimate:.1e}, travelled {travelled:.1e}");

@@ -10,13 +10,15 @@ use rattlebench::engines::Spec;
 use rattlebench::measure::stability::{Case, Cell, Class, FAMILIES, Family, Finding, Scan};
 use rattlebench::report::record::stability::StabilityReport;
 
+use crate::common::rattlebench;
+
 /// A small suite: two families, two engines.
 const SUITE: [&str; 8] =
     ["stability", "start", "geometry", "--quick", "--engine", "rattle", "--engine", "rapier:preset=strong"];
 
 fn command(more: &[&str], out: &Path) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("rattlebench"));
-    command.args(SUITE).args(more).arg("--out").arg(out).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut command = rattlebench(&SUITE);
+    command.args(more).arg("--out").arg(out).stdout(Stdio::null()).stderr(Stdio::null());
     command
 }
 
@@ -87,8 +89,8 @@ fn shards_merge_to_the_same_bytes() {
         run(&["--shard", &format!("{i}/3")], &at(&format!("shard_{i}")));
     }
     let merge = |names: &[&str]| {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("rattlebench"));
-        command.arg("merge").args(names.iter().map(|name| at(name))).arg("--out").arg(at("merged"));
+        let mut command = rattlebench(&["merge"]);
+        command.args(names.iter().map(|name| at(name))).arg("--out").arg(at("merged"));
         command.output().expect("runs")
     };
     let incomplete = merge(&["shard_1", "shard_3"]);
@@ -118,8 +120,8 @@ fn charts_are_drawn_again_from_the_json() {
     let folder = tempfile::tempdir().expect("a folder");
     let (first, again) = (folder.path().join("first"), folder.path().join("again"));
     run(&[], &first);
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("rattlebench"));
-    let status = command.arg("chart").arg(first.join("stability.json")).arg("--out").arg(&again).status();
+    let mut command = rattlebench(&["chart"]);
+    let status = command.arg(first.join("stability.json")).arg("--out").arg(&again).status();
     assert!(status.expect("runs").success());
     for name in ["stability_start.png", "stability_geometry.png", "index.html"] {
         assert_eq!(fs::read(first.join(name)).expect("drawn"), fs::read(again.join(name)).expect("drawn"), "{name}");

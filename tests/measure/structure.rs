@@ -8,16 +8,11 @@ use rattlebench::engines::{self, Spec};
 use rattlebench::measure::outcome::Limits;
 use rattlebench::measure::structure::{Structure, examine, examined_state, reversibility, symplecticity};
 use rattlebench::mechanics::{State, System};
-use rattlebench::model::{JointKind, Scene};
+use rattlebench::model::JointKind;
 
 use crate::common::*;
 
 const STEP: f64 = 0.01;
-
-fn shipped(name: &str) -> System {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).join("scene.json");
-    compile(&Scene::load(path).expect("a scene"))
-}
 
 fn examined(system: &System, spec: &str, step: f64) -> Structure {
     let (state, at) = examined_state(system, 10.0);

@@ -6,6 +6,8 @@ use std::path::Path;
 use proptest::prelude::*;
 use rattlebench::model::Scene;
 
+use crate::common::rattlebench;
+
 /// The message for a URDF file `bad.urdf` of that text; the folder reads `<dir>`.
 fn urdf(text: &str) -> String {
     message(&[("bad.urdf", text)], "bad.urdf")
@@ -351,7 +353,7 @@ fn density_that_a_shape_cannot_use() {
 #[test]
 fn the_command_line_says_it_once_and_ends_with_code_2() {
     let run = |arguments: &[&str]| {
-        let output = assert_cmd::Command::cargo_bin("rattlebench").unwrap().args(arguments).output().unwrap();
+        let output = rattlebench(arguments).output().unwrap();
         assert_eq!(output.status.code(), Some(2));
         assert!(output.stdout.is_empty());
         String::from_utf8(output.stderr).unwrap()

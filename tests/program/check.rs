@@ -2,15 +2,16 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use assert_cmd::Command;
+use crate::common;
 
 const SCENE: &str = "models/damped_pendulum/scene.json";
 const PENDULUM: &str = "models/pendulum/scene.json";
 
 fn rattlebench(arguments: &[&str]) -> Command {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("rattlebench");
-    command.args(arguments).env_remove("GITHUB_ACTIONS").env_remove("GITHUB_STEP_SUMMARY");
+    let mut command = common::rattlebench(arguments);
+    command.env_remove("GITHUB_ACTIONS").env_remove("GITHUB_STEP_SUMMARY");
     command
 }
 

@@ -14,6 +14,8 @@ use rattlebench::model::assemble::{Assembly, Mount};
 use rattlebench::model::scene::JointInitial;
 use rattlebench::model::{Inertial, JointKind, Scene, read_urdf};
 
+use crate::common::rattlebench;
+
 /// Words that have broken readers of XML, JSON and numbers.
 const WORDS: &[&str] = &[
     "",
@@ -299,9 +301,9 @@ fn simulate_writes_numbers_or_ends_with_a_reason() {
     for _ in 0..60 {
         let text = texts.new_tree(&mut runner).expect("a text").current();
         let path = write(folder.path(), "m.urdf", &text);
-        let mut command = assert_cmd::cargo::cargo_bin_cmd!("rattlebench");
-        command.args(["simulate", path.to_str().expect("UTF-8"), "--engine", "rattle", "--step", "0.01"]);
-        let output = command.args(["--duration", "0.1"]).output().expect("runs");
+        let path = path.to_str().expect("UTF-8");
+        let mut command = rattlebench(&["simulate", path, "--engine", "rattle", "--step", "0.01", "--duration", "0.1"]);
+        let output = command.output().expect("runs");
         let (rows, message) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         match output.status.code() {
             Some(0) => ran += 1,

@@ -3,5 +3,7 @@
 mod bad_input;
 mod check;
 mod cli;
+#[path = "../common/mod.rs"]
+mod common;
 mod fuzz;
 mod theory;

@@ -4,8 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use crate::common::rattlebench;
+
 fn theory(arguments: &[&str]) -> Output {
-    assert_cmd::cargo::cargo_bin_cmd!("rattlebench").arg("theory").args(arguments).output().expect("runs")
+    rattlebench(&["theory"]).args(arguments).output().expect("runs")
 }
 
 fn text(bytes: &[u8]) -> &str {
@@ -73,20 +75,18 @@ fn saved_topics_are_drawn_again_to_the_byte_and_match_their_schema() {
     let (folder, again) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     let output = theory(&["figure2", "small-steps", "--out", folder.path().to_str().expect("UTF-8")]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let rattlebench =
-        |arguments: &[&str]| assert_cmd::cargo::cargo_bin_cmd!("rattlebench").args(arguments).output().expect("runs");
+    let run = |arguments: &[&str]| rattlebench(arguments).output().expect("runs");
     let before: Vec<Vec<u8>> =
         names(folder.path()).iter().map(|name| fs::read(folder.path().join(name)).expect("a file")).collect();
     let saved = folder.path().join("figure2.json");
-    assert!(rattlebench(&["chart", saved.to_str().expect("UTF-8")]).status.success());
+    assert!(run(&["chart", saved.to_str().expect("UTF-8")]).status.success());
     let after: Vec<Vec<u8>> =
         names(folder.path()).iter().map(|name| fs::read(folder.path().join(name)).expect("a file")).collect();
     assert!(before == after, "drawn again in its folder");
     let out = again.path().to_str().expect("UTF-8");
-    assert!(rattlebench(&["chart", saved.to_str().expect("UTF-8"), "--out", out]).status.success());
+    assert!(run(&["chart", saved.to_str().expect("UTF-8"), "--out", out]).status.success());
     assert_eq!(names(again.path()), ["figure2.png", "index.html"]);
-    let schema: serde_json::Value =
-        serde_json::from_slice(&rattlebench(&["schema", "theory"]).stdout).expect("JSON Schema");
+    let schema: serde_json::Value = serde_json::from_slice(&run(&["schema", "theory"]).stdout).expect("JSON Schema");
     let file: serde_json::Value = serde_json::from_str(&folder_text(folder.path(), "figure2.json")).expect("JSON");
     for key in file.as_object().expect("an object").keys() {
         assert!(schema["properties"].get(key).is_some(), "{key} is in the schema");
@@ -96,7 +96,7 @@ fn saved_topics_are_drawn_again_to_the_byte_and_match_their_schema() {
         folder_text(folder.path(), "small-steps.json").replace("\"topic\":\"small-steps\"", "\"topic\":\"orders\"");
     let path = again.path().join("wrong.json");
     fs::write(&path, wrong).expect("written");
-    let output = rattlebench(&["chart", path.to_str().expect("UTF-8")]);
+    let output = run(&["chart", path.to_str().expect("UTF-8")]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("the data are not those of topic \"orders\""), "{}", text(&output.stderr));
 }

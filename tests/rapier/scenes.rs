@@ -30,16 +30,10 @@ pub fn all() -> Vec<System> {
 
 /// The scenes under `models/` that rapier has means for, in the order of their names.
 pub fn shipped() -> Vec<System> {
-    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
-    let folders = std::fs::read_dir(models).expect("models are shipped").map(|entry| entry.expect("readable").path());
-    let mut scenes: Vec<_> = folders.map(|folder| folder.join("scene.json")).filter(|path| path.is_file()).collect();
-    scenes.sort();
-    assert!(!scenes.is_empty());
-    let system = |path| common::compile(&Scene::load(path).expect("a shipped scene can be read"));
     let builds =
         |text: &str, system: &System| engines::build(&Spec::parse(text).expect("a spec"), system, 1e-3).is_ok();
     let can = |system: &System| ["rapier", "rapier:joints=multibody"].iter().all(|text| builds(text, system));
-    scenes.iter().map(system).filter(can).collect()
+    common::shipped_scenes().iter().map(common::compile).filter(can).collect()
 }
 
 /// Those and these.

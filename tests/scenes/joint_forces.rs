@@ -79,23 +79,6 @@ fn energy_error(system: &System, composition: &Composition, h: f64, duration: f6
     worst
 }
 
-/// Slope of log y over log x, least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x.ln() / n, b + y.ln() / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
-        let (dx, dy) = (x.ln() - mx, y.ln() - my);
-        (a + dx * dy, b + dx * dx)
-    });
-    xy / xx
-}
-
-/// Largest difference of positions (m) and attitudes (rad).
-fn distance(a: &State, b: &State) -> f64 {
-    let pairs = a.bodies.iter().zip(&b.bodies);
-    pairs.map(|(a, b)| (a.position - b.position).norm().max(a.attitude.angle_to(&b.attitude))).fold(0.0, f64::max)
-}
-
 /// Joint positions after every step.
 fn positions(system: &System, h: f64, steps: usize) -> Vec<Vec<f64>> {
     let mut joints = CoordinateTracker::new(system);

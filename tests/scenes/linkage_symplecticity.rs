@@ -5,7 +5,8 @@
 use rattlebench::engines::{self, Spec};
 use rattlebench::measure::structure::{Failure, symplecticity};
 use rattlebench::mechanics::{State, System, energy};
-use rattlebench::model::Scene;
+
+use crate::common::shipped;
 
 /// s
 const STEP: f64 = 5e-3;
@@ -36,8 +37,7 @@ fn one_step_of_a_linkage_is_symplectic() {
     let cases =
         [("four_bar", &all[..]), ("slider_crank", &all), ("bricard", &all), ("gripper", &all), ("ladder", &all[..1])];
     for (name, methods) in cases {
-        let scene = Scene::load(format!("{}/models/{name}/scene.json", env!("CARGO_MANIFEST_DIR"))).unwrap();
-        let system = System::compile(&scene).unwrap();
+        let system = shipped(name);
         let state = steps("rattle:order=8", &system, 60).unwrap();
         assert!(energy::energy(&system, &state).kinetic > 1e-3 * system.energy_scale, "{name} moves");
         for method in methods {

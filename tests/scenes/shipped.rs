@@ -1,27 +1,14 @@
 //! The shipped scenes: each loads, compiles, describes itself and moves.
 
-use std::path::PathBuf;
-
 use rattlebench::mechanics::System;
+use rattlebench::model::JointKind;
 use rattlebench::model::generate::Chain;
-use rattlebench::model::{JointKind, Scene};
 
-/// Every scene under `models/`, by name.
-fn scenes() -> Vec<Scene> {
-    let mut files: Vec<PathBuf> = std::fs::read_dir("models")
-        .unwrap()
-        .map(|entry| entry.unwrap().path().join("scene.json"))
-        .filter(|path| path.is_file())
-        .collect();
-    files.sort();
-    files.iter().map(|path| Scene::load(path).unwrap_or_else(|e| panic!("{e}"))).collect()
-}
+use crate::common::{shipped_scene, shipped_scenes};
 
 #[test]
 fn every_scene_compiles_and_holds_energy_to_exchange() {
-    let scenes = scenes();
-    assert!(scenes.len() >= 9);
-    for scene in scenes {
+    for scene in shipped_scenes() {
         let system = System::compile(&scene).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
         assert!(system.energy_scale > 1e-3, "{}: {} J", scene.name, system.energy_scale);
         assert!(!scene.description.is_empty(), "{}", scene.name);
@@ -37,7 +24,7 @@ fn the_ten_link_chain_is_what_generate_prints() {
 
 #[test]
 fn the_joint_zoo_has_every_joint_type() {
-    let zoo = Scene::load("models/joint_zoo/scene.json").unwrap();
+    let zoo = shipped_scene("joint_zoo");
     for kind in JointKind::ALL {
         assert!(zoo.model.joints.iter().any(|j| j.kind == kind), "{}", kind.name());
     }
@@ -47,7 +34,7 @@ fn the_joint_zoo_has_every_joint_type() {
 #[test]
 fn chains_of_alternating_hinges_do_not_start_in_a_plane_of_symmetry() {
     for name in ["double_pendulum", "chain_10"] {
-        let scene = Scene::load(format!("models/{name}/scene.json")).unwrap();
+        let scene = shipped_scene(name);
         let sideways = scene.model.joints.iter().zip(&scene.initial).filter(|(j, _)| j.axis.z > 0.5);
         assert!(sideways.map(|(_, initial)| initial.position[0]).all(|angle| angle != 0.0), "{name}");
     }

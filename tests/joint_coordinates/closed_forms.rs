@@ -1,8 +1,7 @@
-//! Motions whose closed form is known, against the reference and the engines in joint coordinates.
+//! Motions whose closed form is known, against the reference, the engines in joint coordinates and `rattle`.
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rattlebench::engines::reference::trajectory;
-use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::coordinates::{JointCoordinates, joint_coordinates};
 use rattlebench::mechanics::{State, System};
 use rattlebench::model::{Base, Inertial, JointKind};
@@ -37,14 +36,6 @@ fn jacobi(u: f64, k: f64) -> (f64, f64, f64) {
     (phi.sin(), phi.cos(), dn)
 }
 
-fn run(text: &str, system: &System, step: f64, steps: usize) -> State {
-    let mut engine = engines::build(&Spec::parse(text).unwrap(), system, step).unwrap_or_else(|e| panic!("{e}"));
-    (0..steps).for_each(|_| engine.step().unwrap_or_else(|e| panic!("{text}: {e}")));
-    let mut state = system.initial.clone();
-    engine.write_state(&mut state);
-    state
-}
-
 fn coordinates(system: &System, state: &State) -> Vec<JointCoordinates> {
     let mut joints = vec![JointCoordinates::default(); system.bodies.len()];
     joint_coordinates(system, state, &mut joints);
@@ -70,12 +61,15 @@ fn the_pendulum_returns_after_the_period_of_the_elliptic_integral() {
         };
         let half = trajectory(&system, &[0.5 * period, period]).unwrap();
         let (reference, galerkin) =
-            (error(&half.states[1]), error(&run("galerkin:stages=8", &system, period / 40.0, 40)));
+            (error(&half.states[1]), error(&run_engine("galerkin:stages=8", &system, period / 40.0, 40)));
+        let rattle = error(&run_engine("rattle:order=8", &system, period / 1000.0, 1000));
         let across = coordinates(&system, &half.states[0])[0].position[0] - (start + 2.0 * angle);
-        println!("{degrees}: {reference:?} {galerkin:?} across {across:.1e}");
-        // measured at most 5.3e-13 rad and 9.6e-12 rad/s (at 179 degrees), galerkin 2.8e-14 and 4.8e-13
+        println!("{degrees}: {reference:?} {galerkin:?} {rattle:?} across {across:.1e}");
+        // measured at most 5.3e-13 rad and 9.6e-12 rad/s (at 179 degrees), galerkin 2.8e-14 and 4.8e-13, rattle 4.0e-15 and
+        // 8.3e-14
         assert!(reference.0 <= 1.5e-12 && reference.1 <= 2.5e-11, "{degrees}: {reference:?}");
         assert!(galerkin.0 <= 8e-14 && galerkin.1 <= 1.4e-12, "{degrees}: {galerkin:?}");
+        assert!(rattle.0 <= 1e-14 && rattle.1 <= 2.5e-13, "{degrees}: {rattle:?}");
         let turns = (across / std::f64::consts::TAU).round();
         assert!((across - turns * std::f64::consts::TAU).abs() <= 1.5e-12, "{degrees}: {across:e}");
     }
@@ -123,11 +117,14 @@ fn the_free_rigid_body_turns_by_jacobi_functions() {
     for (time, state) in times.iter().zip(&found.states) {
         let error = (body_rates(state) - closed(*time)).norm();
         let way = (state.bodies[0].position - Vector3::new(0.1, -0.2, 0.3) * *time).norm();
-        let galerkin = run("galerkin:stages=6", &system, 0.02, (time / 0.02).round() as usize);
+        let galerkin = run_engine("galerkin:stages=6", &system, 0.02, (time / 0.02).round() as usize);
         let rival = (body_rates(&galerkin) - closed(*time)).norm();
-        println!("{time}: reference {error:.1e} {way:.1e} galerkin {rival:.1e}");
-        // measured at most 1.2e-13, 1.8e-13 and 1.4e-14
+        let rattle = run_engine("rattle:order=8", &system, 0.005, (time / 0.005).round() as usize);
+        let own = (body_rates(&rattle) - closed(*time)).norm();
+        println!("{time}: reference {error:.1e} {way:.1e} galerkin {rival:.1e} rattle {own:.1e}");
+        // measured at most 1.2e-13, 1.8e-13, 1.4e-14 and 1.5e-14
         assert!(error <= 3e-13 && way <= 5e-13 && rival <= 4e-14, "{time}: {error:e} {way:e} {rival:e}");
+        assert!(own <= 4e-14, "{time}: {own:e}");
     }
 }
 
@@ -143,12 +140,12 @@ fn the_symmetric_free_body_precesses_uniformly() {
     let expected = UnitQuaternion::from_scaled_axis(momentum / j * time)
         * UnitQuaternion::from_scaled_axis(Vector3::z() * (omega.z * (1.0 - j3 / j) * time));
     let reference = trajectory(&system, &[time]).unwrap();
-    for (name, state) in
-        [("reference", &reference.states[0]), ("galerkin", &run("galerkin:stages=6", &system, 0.02, 150))]
-    {
+    let galerkin = run_engine("galerkin:stages=6", &system, 0.02, 150);
+    let rattle = run_engine("rattle:order=8", &system, 0.005, 600);
+    for (name, state) in [("reference", &reference.states[0]), ("galerkin", &galerkin), ("rattle", &rattle)] {
         let error = state.bodies[0].attitude.angle_to(&expected);
         println!("{name} {error:.1e}");
-        // measured 1.3e-14 and 9.6e-15
+        // measured 1.3e-14, 9.6e-15 and 1.6e-15
         assert!(error <= 4e-14, "{name}: {error:e}");
     }
 }
@@ -177,7 +174,8 @@ fn the_lagrange_top_keeps_its_three_integrals() {
     let start = integrals(&system.initial);
     let times = [1.0, 2.0, 5.0];
     let mut states = trajectory(&system, &times).unwrap().states;
-    states.push(run("galerkin:stages=6", &system, 0.01, 500));
+    states.push(run_engine("galerkin:stages=6", &system, 0.01, 500));
+    states.push(run_engine("rattle:order=8", &system, 0.002, 2500));
     let moved = (states[0].bodies[0].position - system.initial.bodies[0].position).norm();
     assert!(moved > 0.01, "{moved}");
     for state in &states {
@@ -202,12 +200,14 @@ fn a_damped_slider_falls_by_the_textbook() {
             c => -9.81 / c * (time - (1.0 - (-c * time).exp()) / c),
         };
         let reference = trajectory(&system, &[time]).unwrap();
-        let galerkin = run("galerkin:stages=6", &system, 0.05, 30);
-        for (name, state) in [("reference", &reference.states[0]), ("galerkin", &galerkin)] {
+        let galerkin = run_engine("galerkin:stages=6", &system, 0.05, 30);
+        let rattle = run_engine("rattle", &system, 1e-3, 1500);
+        for (name, state) in [("reference", &reference.states[0]), ("galerkin", &galerkin), ("rattle", &rattle)] {
             let error = coordinates(&system, state)[0].position[0] - expected;
             println!("{name} {damping} {error:.1e}");
-            // measured at most 1.2e-14
-            assert!(error.abs() <= 3e-14, "{name} {damping}: {error:e}");
+            // measured at most 1.2e-14, and 1.2e-7 of `rattle` with the damper, where it has order 2
+            let bound = if name == "rattle" && damping > 0.0 { 3e-7 } else { 3e-14 };
+            assert!(error.abs() <= bound, "{name} {damping}: {error:e}");
         }
     }
 }

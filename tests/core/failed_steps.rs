@@ -1,7 +1,7 @@
 //! Steps that fail: false solutions are refused, failures name their cure, and halves go on.
 
 use nalgebra::Vector3;
-use rattlebench::engines::{self, Engine, Spec};
+use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::System;
 use rattlebench::model::JointKind::Revolute;
 use rattlebench::variational::substep::{MOST_HALVINGS, step_in_halves};
@@ -15,13 +15,13 @@ use crate::common::*;
 #[test]
 fn a_whip_does_not_leap_to_a_false_solution() {
     for rotation in [Rotation::MoserVeselov, Rotation::Splitting] {
-        let (mut worst, mut refused) = (0.0_f64, 0);
+        let (mut errors, mut refused) = (Vec::new(), 0);
         for start in 0..10 {
             let mut scene = alternating(20);
             scene.gravity *= 1.0 + 1e-3 * f64::from(start);
             let system = compile(&scene);
             let mut rattle = Rattle::new(&system).unwrap().with_rotation(rotation);
-            let (mut state, mut before, mut leap) = (system.initial.clone(), 0.0, 0.0_f64);
+            let (mut state, mut worst) = (system.initial.clone(), 0.0_f64);
             for _ in 0..2000 {
                 if let Err(failure) = rattle.step(5e-3) {
                     println!("{rotation:?}, start {start}: {failure:?}");
@@ -29,18 +29,21 @@ fn a_whip_does_not_leap_to_a_false_solution() {
                     break;
                 }
                 rattle.write_state(&mut state);
-                let now = energy_error(&system, &state);
-                leap = leap.max((now - before).abs());
-                before = now;
-                worst = worst.max(now.abs());
+                worst = worst.max(energy_error(&system, &state).abs());
             }
-            println!("WHIP {rotation:?} {start}: leap {leap:.2e} worst so far {worst:.2e}");
+            errors.push(worst);
             assert!(start > 0 || refused == 0, "the first start runs through");
         }
-        println!("{rotation:?}: {worst:.2e}, {refused} refused");
+        let [median, most] = median_and_most(errors);
+        println!("{rotation:?}: {median:.2e} to {most:.2e}, {refused} refused");
         // measured in 120 runs of 60 starts: 2.9e-2 in the middle, 1.8e-1 at most, 8 refused
-        assert!(worst <= 0.4 && refused <= 3, "{worst:e}, {refused} refused");
+        assert!(median <= 7e-2 && most <= 0.4 && refused <= 3, "{median:e} {most:e}, {refused} refused");
     }
+}
+
+fn median_and_most(mut values: Vec<f64>) -> [f64; 2] {
+    values.sort_by(f64::total_cmp);
+    [values[values.len() / 2], values[values.len() - 1]]
 }
 
 /// A slider-crank in fast motion at ten times its step: the equations of a step are solved by a linkage on another branch, with
@@ -56,7 +59,7 @@ fn a_linkage_does_not_leap_to_another_branch() {
     let failure = run(LEAPING);
     // measured 0.55 of the kinetic energy, at the 22nd step
     assert!(matches!(failure, Err(Failure::Leap { gained }) if gained > 0.5), "{failure:?}");
-    let mut engine = engines::build(&Spec::parse("rattle").unwrap(), &system, LEAPING).unwrap();
+    let mut engine = engine("rattle", &system, LEAPING);
     let named = (0..400).find_map(|_| engine.step().err()).map(|failure| failure.to_string());
     assert!(named.as_ref().is_some_and(|text| text.contains("false solution")), "{named:?}");
 }
@@ -69,14 +72,10 @@ fn planar_whip() -> System {
     compile(&chain(&[(Revolute, Vector3::y()); 10]))
 }
 
-fn engine(system: &System, text: &str) -> Box<dyn Engine> {
-    engines::build(&Spec::parse(text).unwrap(), system, 1e-2).unwrap()
-}
-
 #[test]
 fn a_failure_names_time_joint_rotation_and_the_step_that_works() {
     let system = planar_whip();
-    let mut engine = engine(&system, "rattle");
+    let mut engine = engine("rattle", &system, 1e-2);
     let (mut last, mut before) = (system.initial.clone(), system.initial.clone());
     let failure = loop {
         engine.write_state(&mut before);
@@ -101,27 +100,35 @@ fn a_failure_names_time_joint_rotation_and_the_step_that_works() {
     }
 }
 
+/// The motion is chaotic: starts differ by a little gravity.
 #[test]
 fn halves_carry_a_run_through_and_are_counted() {
-    let system = planar_whip();
-    let mut engine = engine(&system, "rattle:on_failure=substep");
-    let (mut state, mut worst) = (system.initial.clone(), 0.0_f64);
-    for _ in 0..500 {
-        engine.step().unwrap();
-        engine.write_state(&mut state);
-        worst = worst.max(energy_error(&system, &state).abs());
+    let (mut errors, mut halved) = (Vec::new(), 0);
+    for start in 0..10 {
+        let mut system = planar_whip();
+        system.gravity *= 1.0 + 1e-3 * f64::from(start);
+        let mut engine = engine("rattle:on_failure=substep", &system, 1e-2);
+        let (mut state, mut worst) = (system.initial.clone(), 0.0_f64);
+        for _ in 0..500 {
+            engine.step().unwrap();
+            engine.write_state(&mut state);
+            worst = worst.max(energy_error(&system, &state).abs());
+        }
+        let remarks = engine.remarks();
+        println!("error {worst:.2e}, {remarks:?}");
+        halved += usize::from(remarks.iter().any(|r| r.contains("taken in halves") && r.contains("not symplectic")));
+        errors.push(worst);
     }
-    let remarks = engine.remarks();
-    println!("error {worst:.2e}, {remarks:?}");
-    // measured 2.8e-1; builds that differ by roundoff had 1.1e-1, for the whip is chaotic
-    assert!(worst <= 0.7, "{worst:e}");
-    assert!(remarks.iter().any(|r| r.contains("taken in halves") && r.contains("not symplectic")), "{remarks:?}");
+    let [median, most] = median_and_most(errors);
+    println!("HALVES {median:.2e} to {most:.2e}, {halved} halved");
+    // measured 2.8e-1 from the first start; builds that differ by roundoff had 1.1e-1
+    assert!(median <= 0.5 && most <= 0.7 && halved == 10, "{median:e} {most:e}, {halved}");
 }
 
 #[test]
 fn a_run_without_failures_is_the_same_with_either_setting() {
     let system = five_links();
-    let (mut stop, mut substep) = (engine(&system, "rattle"), engine(&system, "rattle:on_failure=substep"));
+    let (mut stop, mut substep) = (engine("rattle", &system, 1e-2), engine("rattle:on_failure=substep", &system, 1e-2));
     let (mut a, mut b) = (system.initial.clone(), system.initial.clone());
     for _ in 0..100 {
         stop.step().unwrap();

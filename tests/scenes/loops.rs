@@ -191,7 +191,7 @@ fn loops_of_every_kind_stay_closed() {
     }
     // A fixed loop at the end of three hinges leaves nothing to move.
     let error = System::compile(&closed_chain(LoopKind::Fixed, [0.5, 0.0, 0.1])).unwrap_err().to_string();
-    println!("STILL {error}");
+    println!("{error}");
     assert!(error.contains("loop 'end' cannot be closed") || error.contains("nothing can move"), "{error}");
 }
 
@@ -210,7 +210,7 @@ fn a_path_that_forks_is_followed() {
         let ended = (0..(1.0 / h) as usize).find_map(|_| rattle.step(h).err());
         rattle.write_state(&mut state);
         let error = (energy::energy(&system, &state).total() - start).abs() / system.energy_scale;
-        println!("FORK h {h}: {ended:?}, energy {error:e}");
+        println!("h {h}: {ended:?}, energy {error:e}");
         assert_eq!(ended, None);
         // measured 0.251 h^2 / s^2: it goes on without energy from nowhere
         assert!(error <= 0.6 * h * h, "{error:e}");
@@ -240,7 +240,7 @@ fn a_slider_goes_through_its_dead_centres() {
     // 12 rad/s carry the crank round about twice a second: the guide stops and turns back at every half turn.
     let system = shipped("slider_crank");
     let (_, error, open) = run(&system, &composition::ORDER_2, 1e-3, 5.0);
-    println!("DEAD {error:e} {open:?}");
+    println!("{error:e} {open:?}");
     // measured 1.4e-4
     assert!(error <= 4e-4 && open.at_most(2e-15, 3e-14), "{error:e} {open:?}");
 }
@@ -263,7 +263,7 @@ fn a_flat_parallelogram_ends_with_its_name() {
         worst = worst.max(energy_error(&system, &state).abs());
         failed
     });
-    println!("FLAT {failure:?} {open:?} {worst:e}");
+    println!("{failure:?} {open:?} {worst:e}");
     assert!(matches!(failure, Some(Failure::Leap { .. })), "{failure:?}");
     assert!(open.position <= 1e-9, "{open:?}");
 }

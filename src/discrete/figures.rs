@@ -182,7 +182,7 @@ pub fn long_time_table() -> Result<Vec<LongTimeRow>, SolveError> {
 ///
 /// # Errors
 /// [`SolveError`] where a step is not found.
-pub fn long_time_row(method: &Method) -> Result<Option<LongTimeRow>, SolveError> {
+pub(crate) fn long_time_row(method: &Method) -> Result<Option<LongTimeRow>, SolveError> {
     let problem = radial_particle();
     let Some(ld) = (method.build)(problem.system.clone()) else { return Ok(None) };
     long_run(method.name, &problem, |q, p| {
@@ -196,7 +196,7 @@ pub fn long_time_row(method: &Method) -> Result<Option<LongTimeRow>, SolveError>
 ///
 /// # Errors
 /// [`SolveError`] where an acceleration is not found.
-pub fn runge_kutta_row() -> Result<LongTimeRow, SolveError> {
+pub(crate) fn runge_kutta_row() -> Result<LongTimeRow, SolveError> {
     let problem = radial_particle();
     let motion = Motion::of(problem.system.as_ref());
     // The mass is 1: momentum and velocity are the same numbers.

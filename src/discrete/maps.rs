@@ -50,7 +50,7 @@ pub fn lagrangian_map(
 ///
 /// # Errors
 /// [`SolveError`] where `q1` is not found.
-pub fn hamiltonian_map_from(
+pub(crate) fn hamiltonian_map_from(
     ld: &(impl DiscreteLegendre + ?Sized),
     q0: &Vector,
     p0: &Vector,

@@ -92,7 +92,7 @@ pub fn order_table() -> Result<Vec<OrderRow>, SolveError> {
 ///
 /// # Errors
 /// [`SolveError`] where the reference motion fails.
-pub fn order_row(method: &Method, problem: &Problem) -> Result<Option<OrderRow>, SolveError> {
+pub(crate) fn order_row(method: &Method, problem: &Problem) -> Result<Option<OrderRow>, SolveError> {
     let Some(ld) = (method.build)(problem.system.clone()) else { return Ok(None) };
     let samples = order_samples(ld.as_ref(), problem)?;
     Ok(Some(OrderRow {

@@ -66,7 +66,7 @@ impl Quadrature {
 }
 
 /// Cardinal polynomials of `nodes` at `t`: entry `k` is 1 at node `k` and 0 at the others. Values and derivatives.
-pub fn cardinal(nodes: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn cardinal(nodes: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
     let mut values = Vec::with_capacity(nodes.len());
     let mut slopes = Vec::with_capacity(nodes.len());
     for (k, &c) in nodes.iter().enumerate() {

@@ -81,7 +81,7 @@ pub fn solve_linear(what: &'static str, a: &Matrix, b: &Vector) -> Result<Vector
 ///
 /// # Errors
 /// [`SolveError::Singular`] where `a` has a zero pivot.
-pub fn solve_columns(what: &'static str, a: &Matrix, b: &Matrix) -> Result<Matrix, SolveError> {
+pub(crate) fn solve_columns(what: &'static str, a: &Matrix, b: &Matrix) -> Result<Matrix, SolveError> {
     if a.nrows() == 0 {
         return Ok(Matrix::zeros(0, b.ncols()));
     }

@@ -26,14 +26,14 @@ pub fn joint_residual(system: &System, state: &State, body: usize) -> Residual {
 }
 
 /// The residual of a loop closure.
-pub fn loop_residual(closure: &Closure, state: &State) -> Residual {
+pub(crate) fn loop_residual(closure: &Closure, state: &State) -> Residual {
     let (position, velocity) = closure.residual(state);
     let largest = |values: Vec<f64>| values.into_iter().map(f64::abs).fold(0.0, larger);
     Residual { position: largest(position), velocity: largest(velocity) }
 }
 
 /// The residual of a coupling at unwrapped joint coordinates.
-pub fn coupling_residual(coupling: &Coupling, joints: &[JointCoordinates]) -> Residual {
+pub(crate) fn coupling_residual(coupling: &Coupling, joints: &[JointCoordinates]) -> Residual {
     let (follower, source) = (&joints[coupling.follower], &joints[coupling.source]);
     let position = follower.position[0] - coupling.multiplier * source.position[0] - coupling.offset;
     let velocity = follower.velocity[0] - coupling.multiplier * source.velocity[0];

@@ -52,7 +52,7 @@ impl JointKind {
     }
 
     /// Pose of the child's joint frame in the parent's at the given coordinates.
-    pub fn transform(self, position: &[f64; 6]) -> Isometry3<f64> {
+    pub(crate) fn transform(self, position: &[f64; 6]) -> Isometry3<f64> {
         let [a, b, c, d, e, f] = *position;
         let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         match self {

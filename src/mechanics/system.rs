@@ -60,7 +60,7 @@ impl System {
 
     /// A damper, in words for messages: the first that there is in a joint, beside a joint's spring or between two
     /// points.
-    pub fn first_damper(&self) -> Option<String> {
+    pub(crate) fn first_damper(&self) -> Option<String> {
         let springs = self.parts.joint_springs.iter().filter(|spring| spring.damping > 0.0).map(|spring| spring.body);
         let own = (0..self.bodies.len()).find(|&i| self.bodies[i].joint.damping > 0.0);
         let joint = own.or(springs.min()).map(|i| format!("joint '{}'", self.bodies[i].joint.name));

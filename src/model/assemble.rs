@@ -103,7 +103,7 @@ impl Inertial {
     }
 
     /// A solid disc across z, its centre at `height` (m) above the link's origin.
-    pub fn disc(radius: f64, thickness: f64, mass: f64, height: f64) -> Inertial {
+    pub(crate) fn disc(radius: f64, thickness: f64, mass: f64, height: f64) -> Inertial {
         let across = mass * (3.0 * radius * radius + thickness * thickness) / 12.0;
         let moments = Vector3::new(across, across, 0.5 * mass * radius * radius);
         Inertial { mass, com: Vector3::new(0.0, 0.0, height), inertia: Matrix3::from_diagonal(&moments) }

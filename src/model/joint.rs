@@ -71,7 +71,7 @@ impl JointKind {
     }
 
     /// True where the axis has a meaning.
-    pub const fn has_axis(self) -> bool {
+    pub(crate) const fn has_axis(self) -> bool {
         match self {
             JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic | JointKind::Planar => true,
             JointKind::Fixed | JointKind::Spherical | JointKind::Floating => false,
@@ -79,7 +79,7 @@ impl JointKind {
     }
 
     /// True where the two links are one body.
-    pub const fn is_weld(self) -> bool {
+    pub(crate) const fn is_weld(self) -> bool {
         self.degrees_of_freedom() == 0
     }
 

@@ -12,5 +12,6 @@ mod urdf;
 pub use joint::{Joint, JointKind, Mimic};
 pub use link::{Collision, Inertial, Link, Shape};
 pub use robot::{Ignored, Model};
-pub use scene::{Base, Bound, Limit, Scene, SceneError, SceneProblem, read_bounds};
-pub use urdf::{ModelError, Position, Problem, read_urdf, read_urdf_with_density};
+pub(crate) use scene::read_bounds;
+pub use scene::{Base, Bound, Limit, Scene, SceneError, SceneProblem};
+pub use urdf::{ModelError, Position, Problem, read_urdf};

@@ -138,7 +138,7 @@ impl Model {
     }
 
     /// Gives every quaternion its unit length back.
-    pub fn normalise(&self, q: &mut [f64]) {
+    pub(crate) fn normalise(&self, q: &mut [f64]) {
         for link in &self.links {
             for_kind!(link.kind, Joint => Joint::normalise(&mut q[link.position..]));
         }

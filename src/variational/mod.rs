@@ -8,7 +8,6 @@
 
 mod chain;
 mod closing;
-mod compensated;
 #[doc(hidden)]
 pub mod fault;
 mod force;

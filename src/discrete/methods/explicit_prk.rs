@@ -12,7 +12,7 @@ use crate::discrete::system::SharedSystem;
 /// system is not of the form `1/2 v^T M v - V(q)` with constant `M`. A force acts with the kicks, at the mean velocity
 /// of the two drifts beside it: where it depends on the velocity that keeps the order of compositions of
 /// Stoermer-Verlet steps, such as Forest and Ruth's, and of no others.
-pub fn explicit_prk(system: SharedSystem, kicks: &[f64], drifts: &[f64]) -> Option<StencilLagrangian> {
+pub(crate) fn explicit_prk(system: SharedSystem, kicks: &[f64], drifts: &[f64]) -> Option<StencilLagrangian> {
     system.separable()?;
     let s = drifts.len();
     let unit = |k: usize| (0..=s).map(|j| if j == k { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
@@ -42,7 +42,7 @@ pub fn ruth(system: SharedSystem) -> Option<StencilLagrangian> {
 }
 
 /// The method of order 4 of Forest and Ruth (1990), a drift first.
-pub fn forest_ruth(system: SharedSystem) -> Option<StencilLagrangian> {
+pub(crate) fn forest_ruth(system: SharedSystem) -> Option<StencilLagrangian> {
     let t = 1.0 / (2.0 - 2f64.cbrt());
     let (outer, inner) = (0.5 * t, 0.5 * (1.0 - t));
     explicit_prk(system, &[0.0, t, 1.0 - 2.0 * t, t, 0.0], &[outer, inner, inner, outer])

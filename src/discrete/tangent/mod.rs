@@ -146,7 +146,7 @@ impl<'a> Discretisation<'a> {
     ///
     /// # Errors
     /// [`SolveError`] where there is none.
-    pub fn beginning_at(&self, q: &Vector, p: &Vector, h: f64) -> Result<(Vector, Vector), SolveError> {
+    pub(crate) fn beginning_at(&self, q: &Vector, p: &Vector, h: f64) -> Result<(Vector, Vector), SolveError> {
         let residual = |z: &Vector| {
             let at = split(z);
             let (minus, _) = self.ends(&at.0, &at.1, h)?;

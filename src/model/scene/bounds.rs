@@ -68,7 +68,7 @@ pub struct BoundFile {
 ///
 /// # Errors
 /// A file that cannot be read, is no JSON or not of this form, or a bound without an end or with an impossible step.
-pub fn read_bounds(path: &Path) -> Result<Vec<Bound>, SceneError> {
+pub(crate) fn read_bounds(path: &Path) -> Result<Vec<Bound>, SceneError> {
     let file: BoundsFile = read_json(path)?;
     let resolved = file.bounds.iter().enumerate().map(|(i, bound)| resolve(&format!("bounds[{i}]"), bound));
     resolved.collect::<Result<Vec<Bound>, SceneProblem>>().map_err(|problem| SceneError::of(path, problem))

@@ -8,7 +8,7 @@ use crate::model::joint::Joint;
 use crate::model::robot::Model;
 
 /// Gravity where a scene does not say otherwise, m/s^2.
-pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Duration where a scene does not say otherwise, s.
 pub const DURATION: f64 = 10.0;
@@ -48,7 +48,7 @@ pub enum Base {
 
 impl Base {
     /// True where the root link is a body of its own.
-    pub const fn is_floating(&self) -> bool {
+    pub(crate) const fn is_floating(&self) -> bool {
         match self {
             Base::Fixed => false,
             Base::Floating { .. } => true,

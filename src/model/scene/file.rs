@@ -15,7 +15,7 @@ use super::data;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "rattlebench scene")]
-pub struct SceneFile {
+pub(crate) struct SceneFile {
     /// Path of the URDF file, relative to this file.
     pub model: String,
     /// What the scene shows, for reports.
@@ -71,7 +71,7 @@ fn default_steps() -> Vec<f64> {
 /// How the root link stands in the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum BaseFile {
+pub(crate) enum BaseFile {
     /// Bolted to the world, its frame being the world frame.
     #[default]
     Fixed,
@@ -82,7 +82,7 @@ pub enum BaseFile {
 /// State at t = 0.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct InitialFile {
+pub(crate) struct InitialFile {
     /// By joint name.
     #[serde(default, deserialize_with = "named")]
     #[schemars(with = "std::collections::BTreeMap<String, JointStateFile>")]
@@ -97,7 +97,7 @@ pub struct InitialFile {
 /// three lengths and a rotation vector.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct JointStateFile {
+pub(crate) struct JointStateFile {
     /// rad or m
     #[serde(default)]
     pub position: Option<Numbers>,
@@ -117,7 +117,7 @@ pub enum Numbers {
 /// Pose and velocity of the root link's frame, in world axes.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct BaseStateFile {
+pub(crate) struct BaseStateFile {
     /// m
     #[serde(default)]
     pub position: [f64; 3],
@@ -139,7 +139,7 @@ fn identity() -> [f64; 4] {
 /// A joint that closes a loop of the tree.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct LoopFile {
+pub(crate) struct LoopFile {
     pub name: String,
     /// What the joint leaves free.
     #[serde(rename = "type")]
@@ -162,7 +162,7 @@ pub struct LoopFile {
 /// What a loop joint leaves free.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum LoopKindFile {
+pub(crate) enum LoopKindFile {
     /// One angle about the axis.
     Revolute,
     /// Every rotation.
@@ -176,7 +176,7 @@ pub enum LoopKindFile {
 /// A frame, as a URDF origin.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct OriginFile {
+pub(crate) struct OriginFile {
     /// m
     #[serde(default)]
     pub xyz: [f64; 3],
@@ -195,7 +195,7 @@ pub struct OriginFile {
     },
     { "required": ["from", "to"], "not": { "anyOf": [{ "required": ["joint"] }, { "required": ["rest"] }] } }
 ]))]
-pub struct SpringFile {
+pub(crate) struct SpringFile {
     /// Joint of one coordinate that the spring acts in.
     #[serde(default)]
     pub joint: Option<String>,
@@ -224,7 +224,7 @@ pub struct SpringFile {
 /// A point fixed in a link.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct AnchorFile {
+pub(crate) struct AnchorFile {
     /// Link name, or `world` for the ground.
     pub link: String,
     /// In the link's frame, m.
@@ -235,7 +235,7 @@ pub struct AnchorFile {
 /// Effort `effort + amplitude sin(2 pi frequency_hz t + phase)` in a joint of one coordinate.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct DriveFile {
+pub(crate) struct DriveFile {
     pub joint: String,
     /// Constant part, N m or N.
     #[serde(default)]

@@ -11,9 +11,10 @@ mod needs;
 mod parts;
 mod resolve;
 
-pub use bounds::{Bound, BoundFile, BoundsFile, Limit, read_bounds};
+pub(crate) use bounds::read_bounds;
+pub use bounds::{Bound, BoundFile, BoundsFile, Limit};
 pub use data::{Base, JointInitial, Scene};
 pub(super) use error::not_negative;
 pub use error::{SceneError, SceneProblem, positive};
-pub use file::SceneFile;
+pub(crate) use file::SceneFile;
 pub use parts::{Anchor, Drive, FixedFrame, Loop, LoopKind, Spring};

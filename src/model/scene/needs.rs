@@ -34,7 +34,7 @@ impl Scene {
     }
 
     /// Number of coordinates that the tree leaves free, before loops take some away.
-    pub fn tree_degrees_of_freedom(&self) -> usize {
+    pub(crate) fn tree_degrees_of_freedom(&self) -> usize {
         let base = if self.base.is_floating() { 6 } else { 0 };
         base + self.model.joints.iter().map(|j| j.kind.degrees_of_freedom()).sum::<usize>()
     }

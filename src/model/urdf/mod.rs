@@ -13,5 +13,6 @@ mod walk;
 pub use error::{ModelError, Position, Problem};
 pub(super) use order::WORLD;
 pub(super) use pose::{direction, pose_of};
-pub use read::{read_urdf, read_urdf_with_density};
+pub use read::read_urdf;
+pub(super) use read::read_urdf_with_density;
 pub(super) use text::read_text;

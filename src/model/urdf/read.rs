@@ -32,7 +32,7 @@ pub fn read_urdf(path: impl AsRef<Path>) -> Result<Model, ModelError> {
 ///
 /// # Errors
 /// Any of [`Problem`]; the message names file, element, value and remedy.
-pub fn read_urdf_with_density(path: impl AsRef<Path>, density: Option<f64>) -> Result<Model, ModelError> {
+pub(crate) fn read_urdf_with_density(path: impl AsRef<Path>, density: Option<f64>) -> Result<Model, ModelError> {
     let path = path.as_ref();
     let file = path.display().to_string();
     let text = read_text(path).map_err(|problem| ModelError::of(&file, problem))?;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::adams::Rates;
 use super::failure::Failure;
 use super::gauss::Gauss;
+use crate::numeric::larger;
 use crate::reduced::equations::hamiltonian::{LinkConstants, Point, along_velocities, momentum_rates};
 use crate::reduced::model::Model;
 use crate::reduced::number::real::{LANES, Lanes, Real};
@@ -122,7 +123,7 @@ impl Batch {
             *u += *correction;
             work += *residual * *correction;
         }
-        work.numbers().into_iter().fold(0.0, largest)
+        work.numbers().into_iter().fold(0.0, |most, work| larger(most, work.abs()))
     }
 
     /// What (3) lacks in `m`, and the corrections of the velocities that it asks for in `right`.
@@ -134,9 +135,4 @@ impl Batch {
 
 pub(super) fn everywhere(from: &[f64], to: &mut [Lanes]) {
     to.iter_mut().zip(from).for_each(|(to, x)| *to = Lanes::of(*x));
-}
-
-/// The larger size; a number that is none wins.
-pub(super) fn largest(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b.abs()) }
 }

@@ -1,14 +1,14 @@
 //! The integrator: its step, and the rounds that find the stages.
 
 use super::adams::{Adams, Rates};
-use super::batch::{Batch, everywhere, largest};
+use super::batch::{Batch, everywhere};
 use super::failure::Failure;
 use super::gauss::Gauss;
 use super::newton::Newton;
 use crate::mechanics::State;
+use crate::numeric::{CompensatedVec, larger};
 use crate::reduced::equations::hamiltonian::{LinkConstants, canonical, momentum_rates};
 use crate::reduced::model::Model;
-use crate::reduced::number::compensated::Compensated;
 use crate::reduced::number::real::{LANES, Lanes};
 
 pub(super) const MOST_ROUNDS: usize = 60;
@@ -33,8 +33,8 @@ pub struct Galerkin {
     pub(super) step: f64,
     pub(super) taken: u64,
     pub(super) over_scale: f64,
-    pub(super) q: Compensated,
-    pub(super) p: Compensated,
+    pub(super) q: CompensatedVec,
+    pub(super) p: CompensatedVec,
     pub(super) u: Vec<f64>,
     pub(super) batches: Vec<Batch>,
     /// `h b_j qdot_j` and `h b_j pdot_j`, stage by stage: of this step and of the one before.
@@ -42,7 +42,7 @@ pub struct Galerkin {
     pub(super) p_rates: Rates,
     pub(super) end: Batch,
     /// `q` and `p` at the start of a step, in case that its end has no velocities.
-    pub(super) start: [Compensated; 2],
+    pub(super) start: [CompensatedVec; 2],
     pub(super) newton: Newton,
     pub(super) rounds: u64,
 }
@@ -84,10 +84,10 @@ impl Galerkin {
             taken: 0,
             over_scale: 1.0 / energy_scale,
             batches,
-            start: [Compensated::new(q.clone()), Compensated::new(p.clone())],
+            start: [CompensatedVec::new(q.clone()), CompensatedVec::new(p.clone())],
             newton: Newton::new(stages * u.len()),
-            q: Compensated::new(q),
-            p: Compensated::new(p),
+            q: CompensatedVec::new(q),
+            p: CompensatedVec::new(p),
             u,
             q_rates,
             p_rates,
@@ -202,7 +202,7 @@ impl Galerkin {
         }
         let mut work = 0.0;
         for batch in &mut self.batches {
-            work = largest(work, batch.take());
+            work = larger(work, batch.take());
             batch.position_steps(&self.model, &mut self.q_rates);
         }
         for batch in &mut self.batches {

@@ -1,6 +1,5 @@
 //! Numbers, one or several side by side, and what is made of them.
 
-pub(super) mod compensated;
 pub(super) mod factor;
 pub(super) mod linear;
 pub(super) mod quaternion;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 
-use crate::variational::compensated::Compensated3;
+use crate::numeric::Compensated3;
 
 /// Where a body is.
 #[derive(Clone, Copy, Debug)]

@@ -39,8 +39,8 @@ use nalgebra::{SVector, Vector3};
 
 use crate::mechanics::coordinates::CoordinateTracker;
 use crate::mechanics::{Drive, JointSpring, State, System};
+use crate::numeric::Compensated;
 use crate::variational::chain::{JointFrame, Node, wrench_of_coordinates};
-use crate::variational::compensated::Compensated;
 use crate::variational::tree::spatial::Wrench;
 
 /// What acts along the coordinates of one joint. Springs and drives act in joints of one coordinate.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Quaternion, Vector3, Vector4};
 
-use crate::variational::compensated::Compensated;
+use crate::numeric::Compensated;
 
 /// What a quaternion lacks to have length one, to first order. A length off by roundoff scales the attitude matrix, and so all
 /// momenta in body axes, and wanders: order 8 on a double pendulum loses a factor 7 in energy over 170 000 steps to it.

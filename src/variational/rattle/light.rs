@@ -19,8 +19,8 @@ use nalgebra::Vector3;
 
 use super::project::world_inertia;
 use super::state::Rattle;
+use crate::numeric::Compensated;
 use crate::variational::chain::Node;
-use crate::variational::compensated::Compensated;
 use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 
 /// Mass or moments, over those of the heaviest body behind, below which a body counts as light; and moments over mass times

@@ -5,9 +5,9 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::mechanics::{BodyState, State, System};
+use crate::numeric::{Compensated, Compensated3};
 use crate::variational::chain::{JointFrame, Motion, Node, Pose};
 use crate::variational::closing::counters::Counters;
-use crate::variational::compensated::{Compensated, Compensated3};
 use crate::variational::force::Parts;
 use crate::variational::method::Method;
 use crate::variational::predictor::Predictor;

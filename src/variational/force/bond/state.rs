@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::model::scene::LoopKind;
+use crate::numeric::Compensated3;
 use crate::variational::chain::Node;
-use crate::variational::compensated::Compensated3;
 use crate::variational::tree::spatial::Twist;
 
 /// What a bond is.

@@ -4,18 +4,18 @@ use super::entry::Entry;
 use super::group::{Group, OTHERS, Origin};
 use super::line_up::{Look, Role, Tuned};
 use super::swept::Swept;
-use super::{dop853, explicit_euler, galerkin, rapier, rattle, reference, rk4, semi_implicit_euler};
 
-/// All engines, of each group the most accurate first. A new one is one file and one line here.
+/// All engines, of each group the most accurate first. A new one is one file, which `mod.rs` declares, and one line
+/// here.
 pub static ENGINES: &[Entry] = &[
-    rattle::ENTRY,
-    galerkin::ENTRY,
-    rapier::ENTRY,
-    dop853::ENTRY,
-    rk4::ENTRY,
-    semi_implicit_euler::ENTRY,
-    explicit_euler::ENTRY,
-    reference::ENTRY,
+    super::rattle::ENTRY,
+    super::galerkin::ENTRY,
+    super::rapier::ENTRY,
+    super::dop853::ENTRY,
+    super::rk4::ENTRY,
+    super::semi_implicit_euler::ENTRY,
+    super::explicit_euler::ENTRY,
+    super::reference::ENTRY,
 ];
 
 /// The engine that a spec names, whatever its settings; `None` where this version has no such engine.

@@ -4,7 +4,7 @@
 //! [`System`](crate::mechanics::System) and one step size, and hands out states in the form of
 //! [`State`](crate::mechanics::State). It is never asked for its own energy: every figure is computed from its states
 //! by `measure`. What the rest of the program asks of an engine (keys, line-ups, sweep, colours, cost, parity) stands
-//! in its [`Entry`], and no other file names it.
+//! in its [`Entry`].
 
 mod dop853;
 mod dormand_prince;

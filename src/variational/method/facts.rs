@@ -162,3 +162,30 @@ impl Facts {
         names.join(" or ")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The row of a method in `docs/engines.md`.
+    fn row(facts: &Facts) -> String {
+        let Refuses { parts, drives, dampers, light_bodies } = facts.refuses;
+        let words = [
+            (parts.is_some(), "loops, mimic joints, springs"),
+            (drives.is_some(), "drives"),
+            (dampers.is_some(), "dampers"),
+            (light_bodies, "bodies without mass or moments of inertia"),
+        ];
+        let refused: Vec<&str> = words.into_iter().filter(|(refused, _)| *refused).map(|(_, words)| words).collect();
+        let summary = facts.summary.trim_start_matches("is ");
+        format!("| `{}` | {summary} | {} |", facts.name, refused.join(", ")).replace("|  |", "| |")
+    }
+
+    #[test]
+    fn the_table_of_the_documentation_has_the_facts() {
+        let page = include_str!("../../../docs/engines.md");
+        for facts in METHODS {
+            assert!(page.contains(&row(facts)), "docs/engines.md lacks the row\n{}", row(facts));
+        }
+    }
+}

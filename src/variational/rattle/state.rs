@@ -157,13 +157,20 @@ impl Present {
     /// Writes the poses, and the twists that fit the joints.
     pub(super) fn write(&self, out: &mut State) {
         for (i, b) in out.bodies.iter_mut().enumerate() {
-            let twist = self.twist[i + 1].twist_at(&-self.frames[i + 1].arm);
-            *b = BodyState {
-                position: self.bodies[i + 1].x.value,
-                attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.bodies[i + 1].q.value)),
-                velocity: twist.linear,
-                angular_velocity: twist.angular,
-            };
+            *b = self.bodies[i + 1].state(&self.twist[i + 1], &self.frames[i + 1]);
+        }
+    }
+}
+
+impl Body {
+    /// The pose, and the twist that is known at the body's joint point.
+    pub(in crate::variational) fn state(&self, at_joint: &Twist, frame: &JointFrame) -> BodyState {
+        let twist = at_joint.twist_at(&-frame.arm);
+        BodyState {
+            position: self.x.value,
+            attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.q.value)),
+            velocity: twist.linear,
+            angular_velocity: twist.angular,
         }
     }
 }

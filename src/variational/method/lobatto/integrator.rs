@@ -1,10 +1,10 @@
 //! What the methods hold, and where they start.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::attitude::Attitude;
 use super::tableau::Tableau;
-use crate::mechanics::{BodyState, State, System};
+use crate::mechanics::{State, System};
 use crate::variational::chain::{JointFrame, Node, Pose, nodes};
 use crate::variational::rattle::{Body, Failure, bodies};
 use crate::variational::tree::Tree;
@@ -129,13 +129,7 @@ impl Lobatto {
     /// Writes the present state: poses, and the twists that fit the joints.
     pub fn write_state(&self, out: &mut State) {
         for (i, b) in out.bodies.iter_mut().enumerate() {
-            let twist = self.twist[i + 1].twist_at(&-self.frames[i + 1].arm);
-            *b = BodyState {
-                position: self.bodies[i + 1].x.value,
-                attitude: UnitQuaternion::new_unchecked(Quaternion::from(self.bodies[i + 1].q.value)),
-                velocity: twist.linear,
-                angular_velocity: twist.angular,
-            };
+            *b = self.bodies[i + 1].state(&self.twist[i + 1], &self.frames[i + 1]);
         }
     }
 }

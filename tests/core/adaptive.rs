@@ -17,9 +17,9 @@ fn adaptive(system: &System, tolerance: f64) -> Adaptive {
 fn run(system: &System, tolerance: f64, duration: f64) -> (f64, u64) {
     let mut adaptive = adaptive(system, tolerance);
     let (mut state, mut worst) = (system.initial.clone(), 0.0_f64);
-    while adaptive.node_time() < duration {
-        adaptive.step_node().unwrap();
-        adaptive.write_node(&mut state);
+    while adaptive.grid_time() < duration {
+        adaptive.step_on_grid().unwrap();
+        adaptive.write_grid_point(&mut state);
         worst = worst.max(energy_error(system, &state).abs());
     }
     (worst, adaptive.steps())
@@ -32,18 +32,18 @@ fn a_thousand_adaptive_steps_and_back_return_to_the_start() {
         let mut state = system.initial.clone();
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for _ in 0..1000 {
-            adaptive.step_node().unwrap();
+            adaptive.step_on_grid().unwrap();
             (shortest, longest) = (shortest.min(adaptive.step_size()), longest.max(adaptive.step_size()));
         }
-        adaptive.write_node(&mut state);
+        adaptive.write_grid_point(&mut state);
         let travelled = distance(&state, &system.initial);
         assert!(travelled > 0.1 && longest > 2.0 * shortest, "{travelled} {shortest:e} {longest:e}");
         adaptive.turn_back();
         for _ in 0..1000 {
-            adaptive.step_node().unwrap();
+            adaptive.step_on_grid().unwrap();
         }
-        adaptive.write_node(&mut state);
-        let (missed, late) = (distance(&state, &system.initial), adaptive.node_time());
+        adaptive.write_grid_point(&mut state);
+        let (missed, late) = (distance(&state, &system.initial), adaptive.grid_time());
         println!("steps {shortest:.1e} to {longest:.1e}, missed by {missed:.1e}, {late:.1e} s");
         // measured at most 5.4e-11 and 5.2e-12
         assert!(missed <= 1.5e-10 && late.abs() <= 1.5e-11);
@@ -89,8 +89,8 @@ fn energy_does_not_drift_where_steps_chosen_from_the_present_state_drift() {
     let (steps, tolerance) = (100_000, 1e-2);
     let mut adaptive = adaptive(&system, tolerance);
     let (first, last) = drift(&system, steps, |state| {
-        adaptive.step_node().unwrap();
-        adaptive.write_node(state);
+        adaptive.step_on_grid().unwrap();
+        adaptive.write_grid_point(state);
     });
     let (mut naive, monitor) = (Rattle::new(&system).unwrap(), adaptive.monitor());
     let (naive_first, naive_last) = drift(&system, steps, |state| {
@@ -150,8 +150,8 @@ fn output_does_not_disturb_the_steps() {
         (1..=1000).for_each(|k| often.advance_to(1e-3 * f64::from(k)).unwrap());
         seldom.advance_to(1.0).unwrap();
         let (mut a, mut b) = (system.initial.clone(), system.initial.clone());
-        often.write_node(&mut a);
-        seldom.write_node(&mut b);
+        often.write_grid_point(&mut a);
+        seldom.write_grid_point(&mut b);
         assert_eq!(a, b, "{name}");
         often.write_state(&mut a);
         seldom.write_state(&mut b);

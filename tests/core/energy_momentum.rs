@@ -102,9 +102,9 @@ fn the_discrete_energy_is_minus_the_derivative_of_the_action_by_the_step() {
             let rattle = Rattle::new(&system).unwrap().with_rotation(rotation);
             let mut varied = EnergyMomentum::new(rattle, h);
             let (mut a, mut b) = (system.initial.clone(), system.initial.clone());
-            varied.write_node(&mut a);
-            varied.step_node().unwrap();
-            varied.write_node(&mut b);
+            varied.write_grid_point(&mut a);
+            varied.step_on_grid().unwrap();
+            varied.write_grid_point(&mut b);
             let at = |h: f64| action(&system, rotation, (&a, &b), h);
             let d = 1e-4 * h;
             let slope = (8.0 * (at(h + d) - at(h - d)) - (at(h + 2.0 * d) - at(h - 2.0 * d))) / (12.0 * d);
@@ -121,9 +121,9 @@ fn the_discrete_energy_is_minus_the_derivative_of_the_action_by_the_step() {
 fn run(system: &System, h: f64, duration: f64) -> Report {
     let mut varied = start(system, h);
     let mut state = system.initial.clone();
-    while varied.node_time() < duration {
-        varied.step_node().unwrap();
-        varied.write_node(&mut state);
+    while varied.grid_time() < duration {
+        varied.step_on_grid().unwrap();
+        varied.write_grid_point(&mut state);
         let residual = constraint::residual(system, &state);
         assert!(residual.position <= 1e-13 && residual.velocity <= 1e-11, "{residual:?}");
     }
@@ -133,7 +133,7 @@ fn run(system: &System, h: f64, duration: f64) -> Report {
 /// The discrete energy of a step of size `h` from a state.
 fn discrete_energy(system: &System, state: &State, h: f64) -> f64 {
     let mut varied = EnergyMomentum::new(Rattle::from_state(system, state).unwrap(), h);
-    varied.step_node().unwrap();
+    varied.step_on_grid().unwrap();
     varied.energy().unwrap()
 }
 
@@ -186,20 +186,20 @@ fn turned_round_it_passes_its_nodes_again() {
     for system in [spinning_rod(), whirl()] {
         let mut varied = start(&system, 5e-3);
         for _ in 0..200 {
-            varied.step_node().unwrap();
+            varied.step_on_grid().unwrap();
         }
-        let (time, energy) = (varied.node_time(), varied.energy().unwrap());
+        let (time, energy) = (varied.grid_time(), varied.energy().unwrap());
         let mut state = system.initial.clone();
-        varied.write_node(&mut state);
+        varied.write_grid_point(&mut state);
         assert!(distance(&state, &system.initial) > 0.1);
         state = reversed(state);
         let back = Rattle::from_state(&system, &state).unwrap();
         let mut varied = EnergyMomentum::with_energy(back, varied.step_size(), energy);
         for _ in 0..200 {
-            varied.step_node().unwrap();
+            varied.step_on_grid().unwrap();
         }
-        varied.write_node(&mut state);
-        let (missed, late) = (distance(&state, &system.initial), varied.node_time() - time);
+        varied.write_grid_point(&mut state);
+        let (missed, late) = (distance(&state, &system.initial), varied.grid_time() - time);
         println!("missed by {missed:.1e}, {late:.1e} s");
         // measured at most 1.5e-12 and 7.3e-14
         assert!(missed <= 4e-12 && late.abs() <= 2e-13, "{missed:e} {late:e}");
@@ -239,8 +239,8 @@ fn a_bob_on_a_rod_follows_the_general_theory() {
     let energy = step(&q, &p, h).2;
     let (mut last, mut worst, mut late, mut varies) = (h, 0.0_f64, 0.0_f64, 0.0_f64);
     for k in 0..steps {
-        varied.step_node().unwrap();
-        varied.write_node(&mut state);
+        varied.step_on_grid().unwrap();
+        varied.write_grid_point(&mut state);
         let mut size = last;
         if k > 0 {
             // The root next to the last step, by bisection.
@@ -278,9 +278,9 @@ fn one_step_keeps_the_extended_symplectic_form() {
         let mut varied = start(&system, 2e-2);
         let mut state = system.initial.clone();
         for _ in 0..5 {
-            varied.step_node().unwrap();
+            varied.step_on_grid().unwrap();
         }
-        varied.write_node(&mut state);
+        varied.write_grid_point(&mut state);
         let (energy, h) = (varied.energy().unwrap(), varied.step_size());
         let chart = PhaseChart::about(&system, &state);
         let d = chart.dimension();
@@ -297,13 +297,13 @@ fn one_step_keeps_the_extended_symplectic_form() {
             } else {
                 EnergyMomentum::with_energy(rattle, h, -z[d + 1])
             };
-            step.step_node().unwrap();
+            step.step_on_grid().unwrap();
             let mut to = from.clone();
-            step.write_node(&mut to);
+            step.write_grid_point(&mut to);
             let end = chart.coordinates(&to);
             let momenta = chart.momenta(&end, &to);
             let ends = |a: f64, v: &DVector<f64>| std::iter::once(a).chain(v.iter().copied()).collect::<Vec<_>>();
-            let all = [ends(z[0] + step.node_time(), &end), ends(-step.energy().unwrap(), &momenta)];
+            let all = [ends(z[0] + step.grid_time(), &end), ends(-step.energy().unwrap(), &momenta)];
             DVector::from_vec(all.concat())
         };
         let z: Vec<f64> =
@@ -345,17 +345,17 @@ fn before_a_turning_point_the_run_ends_by_name() {
         let mut varied = start(&system, h);
         let mut state = system.initial.clone();
         let failure = loop {
-            if let Err(failure) = varied.step_node() {
+            if let Err(failure) = varied.step_on_grid() {
                 break failure;
             }
-            assert!(varied.node_time() < 1.0, "the swing turns after 0.33 s");
+            assert!(varied.grid_time() < 1.0, "the swing turns after 0.33 s");
         };
-        varied.write_node(&mut state);
+        varied.write_grid_point(&mut state);
         assert!(state.is_finite());
         let Failure::NoStep { step, energy, missed } = failure else { panic!("{failure:?}") };
-        println!("h {h}: {failure:?} at {}", varied.node_time());
+        println!("h {h}: {failure:?} at {}", varied.grid_time());
         assert!(step.is_finite() && energy.is_finite() && missed != 0.0);
-        assert!(varied.step_node().is_err(), "it does not go on");
+        assert!(varied.step_on_grid().is_err(), "it does not go on");
     }
     let mut engine = engines::build(&Spec::parse("rattle:method=energy_momentum").unwrap(), &system, 1e-3).unwrap();
     let stop = (0..1000).find_map(|_| engine.step().err()).unwrap();
@@ -371,11 +371,11 @@ fn before_a_turning_point_the_run_ends_by_name() {
 fn the_natural_energy_of_a_state_has_no_step() {
     let system = spinning_rod();
     let natural = rattlebench::mechanics::energy::energy(&system, &system.initial).total();
-    let from = |energy| EnergyMomentum::with_energy(Rattle::new(&system).unwrap(), 1e-2, energy).step_node();
+    let from = |energy| EnergyMomentum::with_energy(Rattle::new(&system).unwrap(), 1e-2, energy).step_on_grid();
     let failure = from(natural).unwrap_err();
     assert!(matches!(failure, Failure::NoStep { missed, .. } if missed > 1e-4), "{failure:?}");
     let mut first = start(&system, 1.1e-2);
-    first.step_node().unwrap();
+    first.step_on_grid().unwrap();
     assert_eq!(from(first.energy().unwrap()), Ok(()));
 }
 
@@ -386,8 +386,8 @@ fn output_does_not_disturb_the_steps() {
     (1..=1000).for_each(|k| often.advance_to(1e-3 * f64::from(k)).unwrap());
     seldom.advance_to(1.0).unwrap();
     let (mut a, mut b) = (system.initial.clone(), system.initial.clone());
-    often.write_node(&mut a);
-    seldom.write_node(&mut b);
+    often.write_grid_point(&mut a);
+    seldom.write_grid_point(&mut b);
     assert_eq!(a, b);
     often.write_state(&mut a);
     seldom.write_state(&mut b);

@@ -20,9 +20,9 @@
 //! error stays bounded, where a step chosen from the present state alone lets it drift. The map is not symplectic. `U`
 //! sees bodies that turn; the oscillation of a stiff spring and the frequency of a drive are not resolved by it.
 //!
-//! Output at a given time is made by a step to it from a copy of the last node.
+//! Output at a given time is made by a step to it from a copy of the last grid point.
 
-use super::nodes::Nodes;
+use super::grid::Grid;
 use crate::mechanics::{State, System};
 use crate::variational::map::{Map, OwnStep};
 use crate::variational::rattle::{Failure, Rattle};
@@ -71,13 +71,13 @@ impl Monitor {
 /// The integrator.
 #[derive(Clone, Debug)]
 pub struct Adaptive {
-    nodes: Nodes,
+    grid: Grid,
     monitor: Monitor,
-    /// `rho_{n+1/2}` of the step from the node, 1/s.
+    /// `rho_{n+1/2}` of the step from the grid point, 1/s.
     density: f64,
     /// 1, or -1 backwards in time.
     direction: f64,
-    /// Steps between nodes since the start.
+    /// Steps from grid point to grid point since the start.
     steps: u64,
 }
 
@@ -87,7 +87,7 @@ impl Adaptive {
     pub fn new(system: &System, rattle: Rattle, tolerance: f64) -> Adaptive {
         let monitor = Monitor::new(system, &rattle, tolerance);
         let density = monitor.rate(&rattle);
-        Adaptive { nodes: Nodes::starting_at(rattle), monitor, density, direction: 1.0, steps: 0 }
+        Adaptive { grid: Grid::starting_at(rattle), monitor, density, direction: 1.0, steps: 0 }
     }
 
     pub fn monitor(&self) -> Monitor {
@@ -99,40 +99,40 @@ impl Adaptive {
         self.direction * self.monitor.step_at(self.density)
     }
 
-    /// Steps between nodes since the start.
+    /// Steps from grid point to grid point since the start.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
     /// Time of the output, s.
     pub fn output_time(&self) -> f64 {
-        self.nodes.output_time()
+        self.grid.output_time()
     }
 
-    /// Time of the last node, s.
-    pub fn node_time(&self) -> f64 {
-        self.nodes.last.time()
+    /// Time of the last grid point, s.
+    pub fn grid_time(&self) -> f64 {
+        self.grid.last.time()
     }
 
-    /// Takes one step of the sequence. After a failure the node is the one before.
+    /// Takes one step of the sequence. After a failure the grid point is the one before.
     ///
     /// # Errors
     /// See [`Failure`].
-    pub fn step_node(&mut self) -> Result<(), Failure> {
+    pub fn step_on_grid(&mut self) -> Result<(), Failure> {
         let h = self.step_size();
-        if !(h.abs() > f64::EPSILON * self.nodes.last.time().abs()) {
+        if !(h.abs() > f64::EPSILON * self.grid.last.time().abs()) {
             return Err(Failure::Stalled { step: h });
         }
-        self.nodes.last.step(h)?;
-        let rate = self.monitor.rate(&self.nodes.last);
+        self.grid.last.step(h)?;
+        let rate = self.monitor.rate(&self.grid.last);
         self.density = rate * rate / self.density; // (1)
         self.steps += 1;
         Ok(())
     }
 
-    /// Goes back from the last node: the nodes that were passed are passed again in reverse order.
+    /// Goes back from the last grid point: the grid points that were passed are passed again in reverse order.
     pub fn turn_back(&mut self) {
-        let rate = self.monitor.rate(&self.nodes.last);
+        let rate = self.monitor.rate(&self.grid.last);
         self.density = rate * rate / self.density;
         self.direction = -self.direction;
     }
@@ -142,20 +142,20 @@ impl Adaptive {
     /// # Errors
     /// See [`Failure`]. The output is then none.
     pub fn advance_to(&mut self, time: f64) -> Result<(), Failure> {
-        while self.direction * (time - self.nodes.last.time() - self.step_size()) >= 0.0 {
-            self.step_node()?;
+        while self.direction * (time - self.grid.last.time() - self.step_size()) >= 0.0 {
+            self.step_on_grid()?;
         }
-        self.nodes.make_output(time, self.step_size())
+        self.grid.make_output(time, self.step_size())
     }
 
     /// Writes the state at the time of the output.
     pub fn write_state(&self, out: &mut State) {
-        self.nodes.write_output(out);
+        self.grid.write_output(out);
     }
 
-    /// Writes the state of the last node.
-    pub fn write_node(&self, out: &mut State) {
-        self.nodes.last.write_state(out);
+    /// Writes the state of the last grid point.
+    pub fn write_grid_point(&self, out: &mut State) {
+        self.grid.last.write_state(out);
     }
 }
 
@@ -172,7 +172,7 @@ impl Map for Adaptive {
     }
 
     fn rattle(&self) -> Option<&Rattle> {
-        Some(&self.nodes.last)
+        Some(&self.grid.last)
     }
 
     fn before_failure(&self, _h: f64) -> Option<Adaptive> {
@@ -180,6 +180,6 @@ impl Map for Adaptive {
     }
 
     fn own_step(&self) -> Option<OwnStep> {
-        Some(OwnStep { time: self.node_time(), size: self.step_size() })
+        Some(OwnStep { time: self.grid_time(), size: self.step_size() })
     }
 }

@@ -26,11 +26,11 @@
 //! gets there, nor does anything without gravity (MW example 4.9.1 is the case without joint forces). Towards such a
 //! point the steps grow, as the reciprocal cube root of the bracket in (3), and end in [`Failure::NoStep`].
 //!
-//! Output at a given time is a step of RATTLE to it from a copy of the last node.
+//! Output at a given time is a step of RATTLE to it from a copy of the last grid point.
 
 use std::cmp::Ordering;
 
-use super::nodes::Nodes;
+use super::grid::Grid;
 use crate::mechanics::State;
 use crate::variational::map::{Map, OwnStep};
 use crate::variational::rattle::{Failure, Rattle};
@@ -76,8 +76,8 @@ fn closer(a: &Tried, b: &Tried) -> Ordering {
 /// The integrator.
 #[derive(Clone, Debug)]
 pub struct EnergyMomentum {
-    nodes: Nodes,
-    /// The end of the step `tried`; the next node, if that is `found`.
+    grid: Grid,
+    /// The end of the step `tried`; the next grid point, if that is `found`.
     ahead: Rattle,
     tried: Option<Tried>,
     found: Option<Tried>,
@@ -96,7 +96,7 @@ pub struct EnergyMomentum {
 /// What the steps of a run were like.
 #[derive(Clone, Copy, Debug)]
 pub struct Report {
-    /// Steps from node to node.
+    /// Steps from grid point to grid point.
     pub steps: u64,
     /// RATTLE steps that were taken to find them.
     pub solves: u64,
@@ -115,7 +115,7 @@ impl EnergyMomentum {
         rattle.keep_rotation();
         EnergyMomentum {
             ahead: rattle.clone(),
-            nodes: Nodes::starting_at(rattle),
+            grid: Grid::starting_at(rattle),
             tried: None,
             found: None,
             energy: None,
@@ -146,28 +146,28 @@ impl EnergyMomentum {
         Some(Report { steps: self.taken, solves, shortest, longest, energy, worst })
     }
 
-    /// The last step from node to node, s; before the first the one that is tried first.
+    /// The last step from grid point to grid point, s; before the first the one that is tried first.
     pub fn step_size(&self) -> f64 {
         self.steps[0]
     }
 
     /// Time of the output, s.
     pub fn output_time(&self) -> f64 {
-        self.nodes.output_time()
+        self.grid.output_time()
     }
 
-    /// Time of the last node, s.
-    pub fn node_time(&self) -> f64 {
-        self.nodes.last.time()
+    /// Time of the last grid point, s.
+    pub fn grid_time(&self) -> f64 {
+        self.grid.last.time()
     }
 
-    /// Takes one step of the sequence. After a failure the node is the one before.
+    /// Takes one step of the sequence. After a failure the grid point is the one before.
     ///
     /// # Errors
     /// See [`Failure`]; [`Failure::NoStep`] where no step keeps the discrete energy.
-    pub fn step_node(&mut self) -> Result<(), Failure> {
+    pub fn step_on_grid(&mut self) -> Result<(), Failure> {
         let found = self.find()?;
-        std::mem::swap(&mut self.nodes.last, &mut self.ahead);
+        std::mem::swap(&mut self.grid.last, &mut self.ahead);
         (self.found, self.tried) = (None, None);
         self.steps = [found.h, if self.taken == 0 { found.h } else { self.steps[0] }];
         self.taken += 1;
@@ -181,33 +181,33 @@ impl EnergyMomentum {
     /// # Errors
     /// See [`Failure`]. The output is then none.
     pub fn advance_to(&mut self, time: f64) -> Result<(), Failure> {
-        while self.nodes.last.time() < time {
+        while self.grid.last.time() < time {
             self.find()?;
             if self.ahead.time() > time {
                 break;
             }
-            self.step_node()?;
+            self.step_on_grid()?;
         }
-        self.nodes.make_output(time, self.step_size())
+        self.grid.make_output(time, self.step_size())
     }
 
     /// Writes the state at the time of the output.
     pub fn write_state(&self, out: &mut State) {
-        self.nodes.write_output(out);
+        self.grid.write_output(out);
     }
 
-    /// Writes the state of the last node.
-    pub fn write_node(&self, out: &mut State) {
-        self.nodes.last.write_state(out);
+    /// Writes the state of the last grid point.
+    pub fn write_grid_point(&self, out: &mut State) {
+        self.grid.last.write_state(out);
     }
 
-    /// The step from the node, with its end in `ahead`.
+    /// The step from the grid point, with its end in `ahead`.
     fn find(&mut self) -> Result<Tried, Failure> {
         if let Some(found) = self.found {
             return Ok(found);
         }
         let last = self.steps[0];
-        if !(last > f64::EPSILON * self.nodes.last.time().abs()) {
+        if !(last > f64::EPSILON * self.grid.last.time().abs()) {
             return Err(Failure::Stalled { step: last });
         }
         let found = match self.energy {
@@ -220,7 +220,7 @@ impl EnergyMomentum {
 
     /// The first step, whose discrete energy is that of the run.
     fn first(&mut self, h: f64) -> Result<Tried, Failure> {
-        self.ahead.copy_from(&self.nodes.last)?;
+        self.ahead.copy_from(&self.grid.last)?;
         self.ahead.step(h)?;
         let of_step = self.ahead.discrete_energy(h);
         self.energy = Some(of_step.energy);
@@ -232,7 +232,7 @@ impl EnergyMomentum {
     fn attempt(&mut self, h: f64, energy: f64) -> Option<Tried> {
         self.solves += 1;
         self.tried = None;
-        self.ahead.copy_from(&self.nodes.last).ok()?;
+        self.ahead.copy_from(&self.grid.last).ok()?;
         self.ahead.step(h).ok()?;
         let of_step = self.ahead.discrete_energy(h);
         let tried = Tried { h, excess: of_step.energy - energy, rounding: f64::EPSILON * of_step.size };
@@ -308,7 +308,7 @@ impl EnergyMomentum {
         }
         let Some(best) = [best, middle].into_iter().flatten().min_by(closer) else {
             // No step of any of these sizes can be taken: RATTLE says why.
-            self.ahead.copy_from(&self.nodes.last)?;
+            self.ahead.copy_from(&self.grid.last)?;
             self.ahead.step(last)?;
             return Err(Failure::Stalled { step: last });
         };
@@ -353,7 +353,7 @@ impl Map for EnergyMomentum {
     }
 
     fn rattle(&self) -> Option<&Rattle> {
-        Some(&self.nodes.last)
+        Some(&self.grid.last)
     }
 
     fn before_failure(&self, _h: f64) -> Option<EnergyMomentum> {
@@ -361,6 +361,6 @@ impl Map for EnergyMomentum {
     }
 
     fn own_step(&self) -> Option<OwnStep> {
-        Some(OwnStep { time: self.node_time(), size: self.step_size() })
+        Some(OwnStep { time: self.grid_time(), size: self.step_size() })
     }
 }

@@ -16,7 +16,7 @@
 //! projection in (3). Two stages are RATTLE. The map is symplectic, symmetric and of order `2 s - 2` on the constraint
 //! manifold.
 //!
-//! For given forces of the joints at the stages each body is solved on its own ([`attitude`]), as the discrete
+//! For given forces of the joints at the stages each body is solved on its own (`attitude.rs`), as the discrete
 //! Moser-Veselov equation is in RATTLE. The joints are closed by a chord iteration: their gaps at the stages `i = 2 ...
 //! s` are combined by the inverse of `(a ahat)_ik` into what the forces at each stage `k = 1 ... s-1` have to close, by
 //! the articulated-body recursion at that stage. With the recursion at `q0` for all of them a thin rod, whose

@@ -11,12 +11,13 @@ use crate::measure::Horizon;
 use crate::measure::comparison::{Comparison, Progress};
 use crate::measure::cost::sweep::{self, Setting};
 use crate::measure::study::Study;
+use crate::measure::threads;
 use crate::mechanics::System;
 use crate::model::Scene;
 use crate::report::Report;
 use crate::report::folder::{files, report as folder};
 use crate::report::words::number::duration;
-use crate::report::words::{finding, summary, table};
+use crate::report::words::{expectation, finding, summary, table};
 
 /// With `--quick`: no run is longer, s, and no more steps than this are compared, the largest ones.
 const QUICK_DURATION: f64 = 2.0;
@@ -70,7 +71,7 @@ struct Task {
 pub fn run(args: &Args) -> Result<(), CliError> {
     let named = input::specs(&args.engine)?;
     let budget = Duration::try_from_secs_f64(input::positive("--budget", args.budget)?).unwrap_or(Duration::MAX);
-    let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
+    let jobs = args.jobs.map_or_else(threads::cores, usize::from);
     // Everything that can be wrong is found before the first run starts.
     let tasks = args.input.iter().map(|path| task(args, &named, path)).collect::<Result<Vec<Task>, CliError>>()?;
     for (i, task) in tasks.iter().enumerate() {
@@ -89,7 +90,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             engines: &task.engines,
             horizons: &task.horizons,
             budget,
-            jobs: jobs.unwrap_or(1),
+            jobs,
             structure: args.structure,
         };
         compare(task, Study { comparison, sweep: &task.sweep }, interrupted)?;
@@ -178,7 +179,7 @@ fn print(report: &Report, page: &Path) -> std::io::Result<()> {
             writeln!(out, "{sentence}\n")?;
         }
         for expectation in &sweep.expectations {
-            writeln!(out, "{}\n", expectation.sentence())?;
+            writeln!(out, "{}\n", expectation::sentence(expectation))?;
         }
     }
     if report.parity.as_ref().is_some_and(|parity| !parity.agrees) {

@@ -12,6 +12,7 @@ use super::{CliError, input, interrupt, progress};
 use crate::engines::{self, Role};
 use crate::measure::stability::suite;
 use crate::measure::stability::{Cell, FAMILIES, Family, Finding, Shard, Suite};
+use crate::measure::threads;
 use crate::report::folder;
 use crate::report::folder::cells::{Store, StoreError};
 use crate::report::record::stability::{Key, StabilityReport, StoredCell, SuiteRecord};
@@ -79,8 +80,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let suite = Suite::new(families, |family| input::specs(&head.engines_of(family)), args.quick)?;
     let mut todo = suite.cells(args.shard);
     todo.retain(|cell| !finished.contains_key(&Key::of(cell)));
-    let jobs = args.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
-    let new = work_off(&todo, jobs.unwrap_or(1), &store)?;
+    let jobs = args.jobs.map_or_else(threads::cores, usize::from);
+    let new = work_off(&todo, jobs, &store)?;
     let missing = todo.len() - new.len();
     finished.extend(new.into_iter().map(|stored| (stored.key(), stored.cell)));
     let mut out = std::io::stdout().lock();

@@ -35,7 +35,7 @@ pub(crate) use key::Key;
 pub use line_up::Role;
 pub(crate) use line_up::{Colour, Marker};
 pub use list::{ENGINES, line_up};
-pub(crate) use list::{group_of, groups, look_of, named, sweep, tolerance, tuned};
+pub(crate) use list::{group_of, groups, look_of, sweep, tolerance, tuned};
 pub(crate) use spec::converged;
 #[doc(hidden)]
 pub use spec::faulty;

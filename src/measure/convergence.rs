@@ -1,5 +1,7 @@
 //! How the error of an engine falls with its step size: the fitted order, and the floor where it stops falling.
 
+use super::run::Run;
+use crate::engines::Spec;
 use crate::numeric::fit::power;
 
 /// Errors above this are not small: what they do with the step says nothing about the order.
@@ -63,6 +65,19 @@ impl Verdict {
             Verdict::NotSmall => "not small yet",
         }
     }
+}
+
+/// The convergence of every engine setting that was run at several step sizes, with the setting. One that chooses its own
+/// steps has none.
+pub fn of_settings(runs: &[Run], reference_error: f64) -> Vec<(&Spec, Convergence)> {
+    runs.chunk_by(|a, b| a.engine.to_string() == b.engine.to_string())
+        .filter(|runs| runs[0].engine.entry().tolerance.is_none())
+        .filter_map(|runs| {
+            let points: Vec<(f64, f64)> =
+                runs.iter().filter_map(|r| Some((r.horizon.step, r.joint_error()?))).collect();
+            Some((&runs[0].engine, judge(&points, reference_error)?))
+        })
+        .collect()
 }
 
 /// Judges `(step, error)` pairs; the errors are known to `reference_error`. `None` with fewer than three pairs.

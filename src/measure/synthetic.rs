@@ -1,8 +1,15 @@
-//! A flywheel whose angular velocity follows a script: an engine whose errors are known.
+//! What tests are made of: a flywheel whose angular velocity follows a script, an engine whose errors are known, and runs of
+//! known cost and error.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::engines::{Engine, StepFailure};
+use super::Horizon;
+use super::cost::clock::Timing;
+use super::outcome::Outcome;
+use super::run::Run;
+use super::trace::Trace;
+use super::truth::accuracy::{Accuracy, Spread};
+use crate::engines::{Engine, Spec, StepFailure};
 use crate::mechanics::coordinates::{JointCoordinates, forward_kinematics};
 use crate::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 
@@ -65,5 +72,19 @@ impl<F: Fn(u64) -> f64> Engine for Scripted<F> {
         out.bodies[0].velocity = Vector3::zeros();
         out.bodies[0].attitude = UnitQuaternion::identity();
         out.bodies[0].angular_velocity = Vector3::new(0.0, 0.0, (self.speed)(self.taken));
+    }
+}
+
+/// A completed run of one step of 0.1 s with a cost (processor seconds a simulated second) and a joint position error.
+pub(crate) fn timed_run(engine: &str, cost: f64, error: f64) -> Run {
+    let spread = Spread { max: error, at: 1.0, rms: error };
+    let accuracy = Accuracy { joint: spread, position: spread, attitude: spread, samples: 1, until: 1.0 };
+    let (step, low) = (0.1, 0.1 * cost);
+    Run {
+        engine: Spec::parse(engine).expect("a spec"),
+        horizon: Horizon { step, steps: 10, end: 1.0 },
+        trace: Trace { outcome: Outcome::Completed, accuracy: Some(accuracy), ..Trace::unsupported(String::new()) },
+        structure: None,
+        timing: Some(Timing { median: low, low, min: low, max: low, rounds: 5, steps: 1, passes: 1 }),
     }
 }

@@ -4,7 +4,6 @@
 //! need more: the runs that can be the cheapest of their engine at a target, where two engines are near each other there, are
 //! timed again in many rounds ([`Effort::RANKING`](super::clock::Effort::RANKING)).
 
-use crate::measure::outcome::Outcome;
 use crate::measure::run::Run;
 
 /// Joint position errors that engines are ranked at, rad or m.
@@ -45,9 +44,7 @@ pub struct Place {
 impl Place {
     /// `None` for runs that were not completed or not timed.
     fn of(index: usize, run: &Run, target: f64) -> Option<Place> {
-        let completed = matches!(run.trace.outcome, Outcome::Completed);
-        let error = run.trace.accuracy.as_ref().filter(|_| completed)?.joint.max;
-        let cost = run.timing?.low / run.horizon.step;
+        let (error, cost) = (run.joint_error()?, run.cost()?);
         Some(Place { run: index, reached: error <= target, rank: None, error, cost })
     }
 }
@@ -57,6 +54,13 @@ pub fn rank(runs: &[Run], target: f64) -> Vec<Place> {
     let mut found: Vec<Place> = engines(runs, target).into_iter().filter_map(|places| best(&places)).collect();
     share(&mut found);
     found
+}
+
+/// The targets that a reference known to `reference_error` can judge, each with its places; those that no run can be held to
+/// are left out.
+pub fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Place>)> {
+    let judged = TARGETS.into_iter().filter(|target| is_judged(*target, reference_error));
+    judged.map(|target| (target, rank(runs, target))).filter(|(_, places)| !places.is_empty()).collect()
 }
 
 /// The runs whose costs decide a rank, or could once they are known better.
@@ -116,24 +120,11 @@ fn share(engines: &mut [Place]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engines::Spec;
-    use crate::measure::cost::clock::Timing;
-    use crate::measure::horizon::Horizon;
+    use crate::measure::synthetic::timed_run;
     use crate::measure::trace::Trace;
-    use crate::measure::truth::accuracy::{Accuracy, Spread};
 
     fn run(engine: &str, error: f64, cost: f64) -> Run {
-        let spread = Spread { max: error, at: 1.0, rms: error };
-        let accuracy = Accuracy { joint: spread, position: spread, attitude: spread, samples: 20, until: 1.0 };
-        let step = 0.1;
-        let low = cost * step;
-        Run {
-            engine: Spec::parse(engine).expect("a spec"),
-            horizon: Horizon { step, steps: 10, end: 1.0 },
-            trace: Trace { outcome: Outcome::Completed, accuracy: Some(accuracy), ..Trace::unsupported(String::new()) },
-            structure: None,
-            timing: Some(Timing { median: 1.1 * low, low, min: low, max: 2.0 * low, rounds: 5, steps: 10, passes: 1 }),
-        }
+        timed_run(engine, cost, error)
     }
 
     #[test]

@@ -7,7 +7,6 @@ use super::panel::{Label, Panel, Words};
 use super::{legend, style};
 use crate::engines;
 use crate::measure::convergence::Verdict;
-use crate::report::record::front::error;
 use crate::report::record::report::Report;
 use crate::report::record::run::Run;
 use crate::report::record::sweep::{Convergence, Sweep};
@@ -26,7 +25,7 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let shown = shown(report, sweep);
     let runs = || shown.iter().flat_map(|c| of(sweep, c));
     let Some(x) = Axis::decades(runs().map(|r| r.step_s), -9, 3) else { return Ok(None) };
-    let Some(y) = Axis::decades(runs().filter_map(error), FLOOR, 1) else { return Ok(None) };
+    let Some(y) = Axis::decades(runs().filter_map(Run::joint_error), FLOOR, 1) else { return Ok(None) };
     let looks = style::looks_of(shown.iter().map(|c| c.engine.as_str()));
     let title = format!("Error against step size: {}", report.scene.name);
     let subtitle = format!(
@@ -48,7 +47,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
                 Panel::new(&panel_area, x, y, Words { heading: panel_group.name, x: "step size, s", y: y_words })?;
             let (mut labels, mut lines) = (Vec::new(), Vec::new());
             for (c, (_, look)) in shown.iter().zip(&looks).filter(|(c, _)| group(c) == *panel_group).rev() {
-                let points: Vec<(f64, f64)> = of(sweep, c).iter().filter_map(|r| Some((r.step_s, error(r)?))).collect();
+                let points: Vec<(f64, f64)> =
+                    of(sweep, c).iter().filter_map(|r| Some((r.step_s, r.joint_error()?))).collect();
                 panel.line(&points, *look, 2, false)?;
                 points.iter().try_for_each(|point| panel.mark(*point, *look, false))?;
                 labels.extend(label(c, &points).map(|(point, words)| Label { point, words, look: *look }));
@@ -69,7 +69,7 @@ fn shown<'a>(report: &Report, sweep: &'a Sweep) -> Vec<&'a Convergence> {
 }
 
 fn of<'a>(sweep: &'a Sweep, c: &Convergence) -> Vec<&'a Run> {
-    sweep.runs.iter().filter(|r| r.engine == c.engine && error(r).is_some()).collect()
+    sweep.runs.iter().filter(|r| r.engine == c.engine && r.joint_error().is_some()).collect()
 }
 
 /// The floor at the finest step where the engine does not converge, else the order at the coarsest step at which the error

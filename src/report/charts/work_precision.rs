@@ -7,9 +7,9 @@ use super::chart::Chart;
 use super::panel::{Label, Panel, Words};
 use super::{legend, style};
 use crate::engines::{tolerance, tuned};
-use crate::report::record::front::{self, cost, error, family};
+use crate::measure::cost::front::front;
 use crate::report::record::report::Report;
-use crate::report::record::run::Run;
+use crate::report::record::run::{Run, family};
 use crate::report::words::number::{duration, plain};
 
 pub const CHART: Chart = Chart {
@@ -35,9 +35,9 @@ struct Line<'a> {
 
 fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let Some(sweep) = &report.sweep else { return Ok(None) };
-    let known: Vec<&Run> = sweep.runs.iter().filter(|r| cost(r).is_some() && error(r).is_some()).collect();
-    let Some(x) = Axis::decades(known.iter().filter_map(|r| cost(r)), -9, 6) else { return Ok(None) };
-    let Some(y) = Axis::decades(known.iter().filter_map(|r| error(r)), FLOOR, 1) else { return Ok(None) };
+    let known: Vec<&Run> = sweep.runs.iter().filter(|r| r.cost().is_some() && r.joint_error().is_some()).collect();
+    let Some(x) = Axis::decades(known.iter().filter_map(|r| r.cost()), -9, 6) else { return Ok(None) };
+    let Some(y) = Axis::decades(known.iter().filter_map(|r| r.joint_error()), FLOOR, 1) else { return Ok(None) };
     let lines = lines(&known);
     let looks = style::looks_of(lines.iter().map(|line| line.name));
     let title = format!("What accuracy costs: {}", report.scene.name);
@@ -84,7 +84,8 @@ fn lines<'a>(runs: &[&'a Run]) -> Vec<Line<'a>> {
         }
     }
     for line in &mut lines {
-        line.front = front::front(&line.all);
+        let known: Vec<&Run> = line.all.iter().copied().filter(|r| point(r).is_some()).collect();
+        line.front = front(&points(&known)).into_iter().map(|i| known[i]).collect();
     }
     for name in tuned_defaults(runs.iter().copied()) {
         let front = runs.iter().copied().filter(|run| run.engine == name).collect();
@@ -105,7 +106,12 @@ fn tuned_defaults<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<&'a str> {
 }
 
 fn points(runs: &[&Run]) -> Vec<(f64, f64)> {
-    runs.iter().filter_map(|r| Some((cost(r)?, error(r)?))).collect()
+    runs.iter().filter_map(|r| point(r)).collect()
+}
+
+/// Cost and error.
+fn point(run: &Run) -> Option<(f64, f64)> {
+    Some((run.cost()?, run.joint_error()?))
 }
 
 /// Words at the points of a front where its settings change, and at its ends.
@@ -114,7 +120,7 @@ fn settings(front: &[&Run]) -> Vec<((f64, f64), String)> {
     let mut found = Vec::new();
     for (i, run) in front.iter().enumerate() {
         let changed = i == 0 || front[i - 1].engine != run.engine;
-        let (Some(x), Some(y)) = (cost(run), error(run)) else { continue };
+        let (Some(x), Some(y)) = (run.cost(), run.joint_error()) else { continue };
         let settings = run.engine.split_once(':').map(|(_, settings)| settings);
         match settings.filter(|words| changed && words.len() <= 16) {
             Some(words) => found.push(((x, y), labelled(run, words))),
@@ -135,7 +141,7 @@ fn labelled(run: &Run, settings: &str) -> String {
 
 fn notes(report: &Report) -> Vec<String> {
     let Some(sweep) = &report.sweep else { return Vec::new() };
-    let lost = sweep.runs.iter().filter(|r| cost(r).is_none()).count();
+    let lost = sweep.runs.iter().filter(|r| r.cost().is_none()).count();
     let mut notes = Vec::new();
     for name in tuned_defaults(sweep.runs.iter()) {
         notes.extend(tuned(name).map(|tuned| format!("{name}, dashed: {}.", tuned.default)));

@@ -9,6 +9,7 @@ use crate::report::record::report::Report;
 use crate::report::record::run::Run;
 use crate::report::record::scene::SceneRecord;
 use crate::report::record::{parity, reference, sweep};
+use crate::report::words::expectation::sentence as expectation_sentence;
 use crate::report::words::number::{duration, plain, short, written};
 use crate::report::words::summary;
 use crate::report::words::{finding, table};
@@ -125,7 +126,7 @@ fn costs(sweep: &sweep::Sweep) -> Markup {
                 (Effort::RANKING.rounds) ". The reference is known to " (written(sweep.reference_error)) "."
             }
             @if !sweep.expectations.is_empty() {
-                ul { @for expectation in &sweep.expectations { li { (expectation.sentence()) } } }
+                ul { @for expectation in &sweep.expectations { li { (expectation_sentence(expectation)) } } }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 pub mod cost;
 pub mod environment;
-pub mod front;
+pub mod expectation;
 pub mod metrics;
 pub mod parity;
 pub mod reference;

@@ -73,7 +73,7 @@ impl Report {
             parity: Parity::new(&findings.parity),
             reference: findings.truth.as_ref().map(Reference::new),
             timing: findings.overhead.map(|_| Timing::new(findings)),
-            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system, &plain.runs)),
+            sweep: findings.sweep.as_ref().map(|sweep| Sweep::new(sweep, system, &findings.results.runs)),
             ..plain
         }
     }

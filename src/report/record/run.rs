@@ -56,6 +56,24 @@ pub struct Run {
     pub series: Option<Series>,
 }
 
+/// The engine of a spec without its settings.
+pub fn family(engine: &str) -> &str {
+    engine.split(':').next().unwrap_or_default()
+}
+
+impl Run {
+    /// Largest joint position error of a completed run, rad or m.
+    pub fn joint_error(&self) -> Option<f64> {
+        self.accuracy.as_ref().filter(|_| self.outcome == Outcome::Completed).map(|a| a.max_joint_error)
+    }
+
+    /// Processor seconds a simulated second of a completed run, from the lower decile over the rounds.
+    pub fn cost(&self) -> Option<f64> {
+        let time = self.time.as_ref().filter(|_| self.outcome == Outcome::Completed)?;
+        Some(1e-6 * time.us_per_step_low.unwrap_or(time.us_per_step) / self.step_s)
+    }
+}
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

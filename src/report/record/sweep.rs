@@ -3,15 +3,16 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::front;
+use super::expectation::Expectation;
 use super::run::Run;
-use crate::engines::named;
+use crate::engines::Spec;
 use crate::measure::convergence::{self, Verdict};
+use crate::measure::cost::expectation::{expectations, over_long_times};
 use crate::measure::cost::ranking::{self, Place};
 use crate::measure::run::Run as MeasuredRun;
 use crate::measure::study::Sweep as MeasuredSweep;
 use crate::mechanics::System;
-use crate::report::words::expectation::{Expectation, expectations, over_long_times};
+use crate::report::words::expectation::told;
 
 /// Every engine at many settings, over the first part of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -71,42 +72,31 @@ pub struct Cheapest {
 
 impl Sweep {
     /// `compared` are the runs of the comparison that the sweep belongs to.
-    pub(super) fn new(sweep: &MeasuredSweep, system: &System, compared: &[Run]) -> Sweep {
+    pub(super) fn new(sweep: &MeasuredSweep, system: &System, compared: &[MeasuredRun]) -> Sweep {
         let runs: Vec<Run> =
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
-        let convergence = convergence(&runs, sweep.error_estimate);
-        let targets = targets(sweep);
-        let mut expectations = expectations(&runs, sweep.error_estimate);
-        expectations.extend(over_long_times(compared));
-        Sweep { until_s: sweep.until, reference_error: sweep.error_estimate, runs, convergence, targets, expectations }
+        let convergence = convergence::of_settings(&sweep.runs, sweep.error_estimate).into_iter().map(Convergence::new);
+        let targets = ranking::targets(&sweep.runs, sweep.error_estimate).into_iter();
+        let target = |(max_joint_error, places): (f64, Vec<Place>)| Target {
+            max_joint_error,
+            engines: places.iter().map(|p| Cheapest::new(p, &sweep.runs[p.run])).collect(),
+        };
+        let expected = expectations(&sweep.runs, sweep.error_estimate).into_iter().chain(over_long_times(compared));
+        Sweep {
+            until_s: sweep.until,
+            reference_error: sweep.error_estimate,
+            runs,
+            convergence: convergence.collect(),
+            targets: targets.map(target).collect(),
+            expectations: expected.map(|judged| told(&judged)).collect(),
+        }
     }
 }
 
-/// For every engine that was run at several step sizes. One that chooses its own has none.
-fn convergence(runs: &[Run], reference_error: f64) -> Vec<Convergence> {
-    let fixed_steps = |run: &Run| named(&run.engine).is_none_or(|entry| entry.tolerance.is_none());
-    runs.chunk_by(|a, b| a.engine == b.engine)
-        .filter(|runs| fixed_steps(&runs[0]))
-        .filter_map(|runs| {
-            let points: Vec<(f64, f64)> = runs.iter().filter_map(|r| Some((r.step_s, front::error(r)?))).collect();
-            let found = convergence::judge(&points, reference_error)?;
-            let engine = runs[0].engine.clone();
-            Some(Convergence { engine, verdict: found.verdict, order: found.order, floor: found.floor })
-        })
-        .collect()
-}
-
-/// Targets that the reference is good enough to judge.
-fn targets(sweep: &MeasuredSweep) -> Vec<Target> {
-    let judged = ranking::TARGETS.into_iter().filter(|target| ranking::is_judged(*target, sweep.error_estimate));
-    let found = judged.map(|target| {
-        let places = ranking::rank(&sweep.runs, target);
-        Target {
-            max_joint_error: target,
-            engines: places.iter().map(|p| Cheapest::new(p, &sweep.runs[p.run])).collect(),
-        }
-    });
-    found.filter(|target| !target.engines.is_empty()).collect()
+impl Convergence {
+    fn new((engine, found): (&Spec, convergence::Convergence)) -> Convergence {
+        Convergence { engine: engine.to_string(), verdict: found.verdict, order: found.order, floor: found.floor }
+    }
 }
 
 impl Cheapest {

@@ -115,7 +115,7 @@ mod tests {
 
     fn cheapest(engine: &str, rank: Option<usize>, cost: f64, error: f64) -> Cheapest {
         Cheapest {
-            family: crate::report::record::front::family(engine).to_string(),
+            family: crate::report::record::run::family(engine).to_string(),
             reached: rank.is_some(),
             rank,
             engine: engine.to_string(),

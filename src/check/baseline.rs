@@ -1,9 +1,9 @@
 //! Comparison with an earlier report: what has become worse by more than its margin.
 //!
-//! An error is worse when its size is more than [`FACTOR`] times the earlier one and more than roundoff. A verdict is worse
-//! when it comes later in `bounded`, `random_walk`, `drift`, `blow_up`. Processor time is compared as the ratio of `rattle`
-//! to another engine in the same report only, and is worse when that ratio has grown by more than [`TIME_FACTOR`]: a slower machine
-//! changes no ratio.
+//! An error is worse when its size is more than [`FACTOR`] times the earlier one and more than roundoff. A verdict is
+//! worse when it comes later in `bounded`, `random_walk`, `drift`, `blow_up`. Processor time is compared as the ratio
+//! of `rattle` to another engine in the same report only, and is worse when that ratio has grown by more than
+//! [`TIME_FACTOR`]: a slower machine changes no ratio.
 
 use super::need::Need;
 use super::requirement::shown;
@@ -28,7 +28,8 @@ const FLOOR: f64 = 1e-14;
 const LEFT_OUT: [&str; 4] =
     ["energy.growth_exponent", "energy.growth_exponent_low", "energy.growth_exponent_high", "start.relative_energy"];
 
-/// The runs of an earlier report that can be taken again, at most `longest` steps each, and those that cannot, in words.
+/// The runs of an earlier report that can be taken again, at most `longest` steps each, and those that cannot, in
+/// words.
 pub fn units(earlier: &Report, system: &System, longest: u64) -> (Vec<Unit>, Vec<String>) {
     let (mut units, mut lost) = (Vec::new(), Vec::new());
     for old in earlier.runs.iter().filter(|r| r.outcome == Outcome::Completed && r.steps <= longest) {

@@ -1,7 +1,7 @@
 //! Negative controls: integrators that should break the bounds, put in the place of the engine that a bound is about.
 //!
-//! A bound that none of them breaks shows nothing about an integrator. That may be right (coordinates without constraints
-//! cannot violate any), but it should be known.
+//! A bound that none of them breaks shows nothing about an integrator. That may be right (coordinates without
+//! constraints cannot violate any), but it should be known.
 
 use super::judge::{Finding, judge};
 use super::requirement::Requirement;

@@ -37,7 +37,8 @@ pub enum BoundError {
     NotFinite { key: String, metric: &'static str, end: &'static str, value: f64 },
     #[error("{key}: {metric}: {end} is \"{word}\"; give a number")]
     NotANumber { key: String, metric: &'static str, end: &'static str, word: String },
-    #[error("{key}: {metric}: {end} is {value}; verdicts are: {known}", known = Verdict::ALL.map(Verdict::name).join(", "))]
+    #[error("{key}: {metric}: {end} is {value}; verdicts are: \
+             {known}", known = Verdict::ALL.map(Verdict::name).join(", "))]
     NotAVerdict { key: String, metric: &'static str, end: &'static str, value: String },
     #[error("{key}: neither max nor min is given; a bound needs one of them or both")]
     NoEnd { key: String },
@@ -55,8 +56,8 @@ impl Requirement {
     /// Checks a bound; `key` is where it stands.
     ///
     /// # Errors
-    /// An unknown engine or metric, an end that is no number or verdict, ends that exclude each other, a run that is not a
-    /// whole number of steps. The message lists what exists.
+    /// An unknown engine or metric, an end that is no number or verdict, ends that exclude each other, a run that is
+    /// not a whole number of steps. The message lists what exists.
     pub fn new(key: &str, bound: &Bound) -> Result<Requirement, BoundError> {
         let named = key.to_owned();
         let metric = METRICS.iter().find(|m| m.name == bound.metric).ok_or_else(|| BoundError::UnknownMetric {

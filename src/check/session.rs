@@ -33,8 +33,8 @@ pub struct Task {
 }
 
 impl Task {
-    /// The scene read from `path` with the bounds that stand in `source`, as far as they are within a scope. Of the earlier
-    /// reports those of other scenes are left out.
+    /// The scene read from `path` with the bounds that stand in `source`, as far as they are within a scope. Of the
+    /// earlier reports those of other scenes are left out.
     ///
     /// # Errors
     /// A scene that cannot be compiled, a bound that cannot be held to.

@@ -31,8 +31,8 @@ pub struct Args {
     /// Markdown to write; within GitHub Actions the summary of the job gets it as well.
     #[arg(long, value_name = "FILE")]
     summary: Option<PathBuf>,
-    /// Earlier report.json; may be given several times. What has become worse than there by more than a factor 2 (ratios
-    /// of processor time 1.5) counts as broken.
+    /// Earlier report.json; may be given several times. What has become worse than there by more than a factor 2
+    /// (ratios of processor time 1.5) counts as broken.
     #[arg(long, value_name = "REPORT")]
     baseline: Vec<PathBuf>,
     /// Measure, and write bounds of the smallest of 1, 2, 5 x 10^k above twice each figure to bounds.json.

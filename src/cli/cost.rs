@@ -17,8 +17,8 @@ use crate::report::words::cost as cost_words;
 
 const LINKS: [usize; 7] = [1, 2, 5, 10, 20, 50, 100];
 
-/// Every hinge about z starts at this angle, rad, so that the chain leaves its plane, and that single precision does not compute
-/// with subnormal numbers.
+/// Every hinge about z starts at this angle, rad, so that the chain leaves its plane, and that single precision does
+/// not compute with subnormal numbers.
 const BEND: f64 = 0.3;
 
 /// Simulated time that is stepped through, s: before a long chain whips.
@@ -63,7 +63,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let points = points.ok_or(CliError::Interrupted)?;
     let rods = Chain::default();
     let model = format!(
-        "Chains of {} m, {} kg rods with hinges about y and z in turn, those about z bent by {BEND} rad, released at rest",
+        "Chains of {} m, {} kg rods with hinges about y and z in turn, those about z bent by {BEND} rad, released at \
+         rest",
         rods.length, rods.mass
     );
     let cost = Cost::new(&points, model, step, steps as f64 * step, input::command_line());

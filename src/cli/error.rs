@@ -85,8 +85,8 @@ impl From<SessionError> for CliError {
 }
 
 impl CliError {
-    /// 1 for broken bounds; 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be finished; 130 for an
-    /// interruption. A reader of our output that stops early, as `head` does, is no error.
+    /// 1 for broken bounds; 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be
+    /// finished; 130 for an interruption. A reader of our output that stops early, as `head` does, is no error.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,

@@ -1,7 +1,7 @@
 //! The command line: one file a subcommand. The only folder that knows clap and indicatif.
 //!
-//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 1 a bound was broken, 2 bad usage or bad input, 3 a run that
-//! could not be finished, 130 interrupted.
+//! Results go to stdout, progress, remarks and errors to stderr. Exit codes: 0 done, 1 a bound was broken, 2 bad usage
+//! or bad input, 3 a run that could not be finished, 130 interrupted.
 
 mod chart;
 mod check;

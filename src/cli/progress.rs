@@ -39,8 +39,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Runs `work` on this thread while another shows how far its stages are, one after the other. Without a terminal it only
-/// runs `work`.
+/// Runs `work` on this thread while another shows how far its stages are, one after the other. Without a terminal it
+/// only runs `work`.
 pub fn during<T>(title: &str, stages: &[Stage], work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {
         return work();

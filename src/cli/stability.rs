@@ -18,7 +18,8 @@ use crate::report::folder::cells::{Store, StoreError};
 use crate::report::record::stability::{Key, StabilityReport, StoredCell, SuiteRecord};
 use crate::report::words::borders;
 
-/// Find where engines stop being right, and how they fail: stiff and extreme scenes along a parameter, against the step.
+/// Find where engines stop being right, and how they fail: stiff and extreme scenes along a parameter, against the
+/// step.
 ///
 /// Every cell gets a class: accurate, bounded, drifting, dissipating, gaining, constraint_broken, blow_up, refused or
 /// over_budget. Finished cells are kept in the folder; --resume runs the rest.

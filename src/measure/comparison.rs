@@ -32,8 +32,8 @@ pub struct Comparison<'a> {
 /// How far a comparison is, for a progress bar.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Steps of traced runs, runs of which a few steps were examined, turns of timed ones, and turns of those that are timed
-    /// again to rank them.
+    /// Steps of traced runs, runs of which a few steps were examined, turns of timed ones, and turns of those that are
+    /// timed again to rank them.
     pub traced: AtomicU64,
     pub examined: AtomicU64,
     pub timed: AtomicU64,

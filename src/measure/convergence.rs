@@ -13,8 +13,8 @@ const ABOVE_FLOOR: f64 = 10.0;
 /// Errors below this have roundoff in them, and do not count.
 const EXACT: f64 = 1e-13;
 
-/// An error below this many times that of the reference counts as long as the errors fall as steeply as before: the estimate of
-/// the reference's error is a careful one, and where two independent methods agree better, both are better.
+/// An error below this many times that of the reference counts as long as the errors fall as steeply as before: the
+/// estimate of the reference's error is a careful one, and where two independent methods agree better, both are better.
 const ABOVE_REFERENCE: f64 = 3.0;
 
 /// As steeply as before: by at least this part of the power of the pair before.
@@ -67,8 +67,8 @@ impl Verdict {
     }
 }
 
-/// The convergence of every engine setting that was run at several step sizes, with the setting. One that chooses its own
-/// steps has none.
+/// The convergence of every engine setting that was run at several step sizes, with the setting. One that chooses its
+/// own steps has none.
 pub fn of_settings(runs: &[Run], reference_error: f64) -> Vec<(&Spec, Convergence)> {
     runs.chunk_by(|a, b| a.engine.to_string() == b.engine.to_string())
         .filter(|runs| runs[0].engine.entry().tolerance.is_none())
@@ -111,8 +111,8 @@ pub fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence>
     Some(Convergence { order: (fitted.len() >= 3).then(|| power(fitted)), floor, verdict })
 }
 
-/// Whether the errors at the finest steps fall by less than the power [`STALLED`] of the step: over the last pair and, above
-/// roundoff, over the last three together, so that one lucky error is not taken for a floor.
+/// Whether the errors at the finest steps fall by less than the power [`STALLED`] of the step: over the last pair and,
+/// above roundoff, over the last three together, so that one lucky error is not taken for a floor.
 fn stalled(points: &[(f64, f64)], roundoff: f64) -> bool {
     let last = points.len() - 1;
     let before = |k: usize| points[last.saturating_sub(k)];

@@ -1,11 +1,11 @@
 //! The evidence that every engine was given the same mechanical system.
 //!
-//! Masses, centres of mass and inertias are read back from engines that keep their own. Energy and momentum are those of
-//! the engine's first state with the masses that it holds. The joint accelerations at t = 0 come from the engine's own
-//! steps: `(w(2h) - w(h)) / h` of the joint velocities `w`, extrapolated to `h = 0` from `h`, `h/2` and `h/4`. The first
-//! step is left out because a solver that keeps velocities in the null space of the joints' Jacobian at the old positions
-//! has no Coriolis acceleration in it. They are compared with those of an engine that shares no dynamics with the others,
-//! found in the same way; masses and inertias that are not read back show in them.
+//! Masses, centres of mass and inertias are read back from engines that keep their own. Energy and momentum are those
+//! of the engine's first state with the masses that it holds. The joint accelerations at t = 0 come from the engine's
+//! own steps: `(w(2h) - w(h)) / h` of the joint velocities `w`, extrapolated to `h = 0` from `h`, `h/2` and `h/4`. The
+//! first step is left out because a solver that keeps velocities in the null space of the joints' Jacobian at the old
+//! positions has no Coriolis acceleration in it. They are compared with those of an engine that shares no dynamics with
+//! the others, found in the same way; masses and inertias that are not read back show in them.
 
 use nalgebra::Vector3;
 
@@ -24,8 +24,8 @@ pub struct Parity {
     pub start: StartDifference,
     /// Of linear and angular momentum, over `sqrt(2 m E)` and `sqrt(2 I E)` with the energy scale `E`.
     pub momentum: [f64; 2],
-    /// Largest difference of a joint acceleration, relative to the largest of them or to 1 rad/s^2 or m/s^2; `None` where
-    /// the reference does not take the system.
+    /// Largest difference of a joint acceleration, relative to the largest of them or to 1 rad/s^2 or m/s^2; `None`
+    /// where the reference does not take the system.
     pub acceleration: Option<f64>,
     /// The same with the engine's constraints solved to the end, where its own settings leave them half solved.
     pub acceleration_solved: Option<f64>,
@@ -33,8 +33,8 @@ pub struct Parity {
     pub bounds: Bounds,
 }
 
-/// Largest relative differences of masses and principal moments, and the largest distance of a centre of mass from where
-/// it should be, m.
+/// Largest relative differences of masses and principal moments, and the largest distance of a centre of mass from
+/// where it should be, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HeldDifference {
     pub mass: f64,
@@ -46,9 +46,9 @@ pub struct HeldDifference {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     pub system: f64,
-    /// `None` where accelerations are told and not judged. In motions that the steps do not resolve, as with stiff springs,
-    /// the extrapolation says nothing about an acceleration; in single precision the roundoff of velocities over the length of
-    /// a step can be as large as an acceleration, and that of constraints which iterations solve is.
+    /// `None` where accelerations are told and not judged. In motions that the steps do not resolve, as with stiff
+    /// springs, the extrapolation says nothing about an acceleration; in single precision the roundoff of velocities
+    /// over the length of a step can be as large as an acceleration, and that of constraints which iterations solve is.
     pub acceleration: Option<f64>,
 }
 
@@ -56,26 +56,27 @@ pub struct Bounds {
 const DOUBLE: Bounds = Bounds { system: 1e-12, acceleration: Some(1e-6) };
 const SINGLE: Bounds = Bounds { system: 1e-5, acceleration: None };
 
-/// Accelerations of rapier's multibody joints in single precision may be off by this and by so many times the roundoff of
-/// their differences. Measured on the shipped scenes: 1.4e-5 (`chain_10`) where they start at rest, otherwise at most 2.9
-/// times the roundoff (`joint_zoo`), 5.2 times where that is too large to judge (`tumbling_body`).
+/// Accelerations of rapier's multibody joints in single precision may be off by this and by so many times the roundoff
+/// of their differences. Measured on the shipped scenes: 1.4e-5 (`chain_10`) where they start at rest, otherwise at
+/// most 2.9 times the roundoff (`joint_zoo`), 5.2 times where that is too large to judge (`tumbling_body`).
 const SINGLE_LEAST: f64 = 4e-5;
 const SINGLE_ROUNDOFF: f64 = 8.0;
 /// A larger bound judges nothing: 1 % of the inertia of `heavy_top` changes its accelerations by 5e-3.
 const SINGLE_MOST: f64 = 4e-3;
 
-/// In double precision for engines whose constraints iterations solve. With the iterations taken to the end, their second
-/// step still holds a correction of the joints. Measured on the shipped scenes whose motion the steps resolve: 7e-2 of the
-/// largest acceleration on `joint_zoo`, 6e-3 on `torso`, 4e-3 on `arm_6`, 3e-7 and less on the other trees. The bound finds
-/// a joint, an axis, a force or a body that is missing or wrong; what is smaller shows in the masses and inertias that are
-/// read back from such engines.
+/// In double precision for engines whose constraints iterations solve. With the iterations taken to the end, their
+/// second step still holds a correction of the joints. Measured on the shipped scenes whose motion the steps resolve:
+/// 7e-2 of the largest acceleration on `joint_zoo`, 6e-3 on `torso`, 4e-3 on `arm_6`, 3e-7 and less on the other trees.
+/// The bound finds a joint, an axis, a force or a body that is missing or wrong; what is smaller shows in the masses
+/// and inertias that are read back from such engines.
 const ITERATED: Bounds = Bounds { system: 1e-12, acceleration: Some(0.2) };
 
 /// Steps for the accelerations, s: long enough that roundoff does not hide one percent of an inertia.
 const DOUBLE_STEP: f64 = 1e-4;
 const SINGLE_STEP: f64 = 2e-3;
 
-/// The accelerations of the reference agree to this with those from half the step, or the steps do not resolve the motion.
+/// The accelerations of the reference agree to this with those from half the step, or the steps do not resolve the
+/// motion.
 const RESOLVED: f64 = 1e-7;
 
 /// The engine that accelerations are compared with.
@@ -95,8 +96,8 @@ impl Parity {
     }
 }
 
-/// The differences between what each engine makes of the system that it is given, as far as it can be built, and a system;
-/// a comparison gives them the same.
+/// The differences between what each engine makes of the system that it is given, as far as it can be built, and a
+/// system; a comparison gives them the same.
 pub fn parity(given: &System, system: &System, engines: &[Spec]) -> Vec<Parity> {
     let truth = |step: f64| Spec::parse(REFERENCE).ok().and_then(|spec| accelerations(&spec, system, step));
     let (double, single) = (truth(DOUBLE_STEP), truth(SINGLE_STEP));
@@ -123,9 +124,9 @@ pub fn parity(given: &System, system: &System, engines: &[Spec]) -> Vec<Parity> 
         .collect()
 }
 
-/// What accelerations in single precision may be off by, relative to the largest of them; `None` where roundoff hides what they
-/// are. In the quotients of [`accelerations`], of which the one of the shortest step has a weight of `8/3`, half a unit of the
-/// last digit of `w`, the largest velocity within two steps, is
+/// What accelerations in single precision may be off by, relative to the largest of them; `None` where roundoff hides
+/// what they are. In the quotients of [`accelerations`], of which the one of the shortest step has a weight of `8/3`,
+/// half a unit of the last digit of `w`, the largest velocity within two steps, is
 ///
 /// ```text
 /// 16 2^-24 w / h ,   w = w(0) + 2 h |a| .

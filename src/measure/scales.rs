@@ -3,8 +3,8 @@
 use crate::mechanics::System;
 use crate::mechanics::path::{distance_to_parent, path_lengths};
 
-/// The reach of a system, m: the longest path along the tree from the ground's joint to a centre of mass or, where all of
-/// them are zero, the largest radius of gyration.
+/// The reach of a system, m: the longest path along the tree from the ground's joint to a centre of mass or, where all
+/// of them are zero, the largest radius of gyration.
 pub fn reach(system: &System) -> f64 {
     let paths = path_lengths(&system.bodies).into_iter().zip(&system.bodies);
     let longest = paths.map(|(path, body)| path + body.joint.in_child.translation.vector.norm()).fold(0.0, f64::max);
@@ -14,8 +14,8 @@ pub fn reach(system: &System) -> f64 {
     system.bodies.iter().map(|b| (b.inertia.max() / b.mass).sqrt()).fold(0.0, f64::max)
 }
 
-/// Lengths of the links of a system, m. A link is as long as the way from its joint to its centre of mass, or to the joint
-/// of a link that it carries. A body whose joint is at its centre of mass counts with its radius of gyration.
+/// Lengths of the links of a system, m. A link is as long as the way from its joint to its centre of mass, or to the
+/// joint of a link that it carries. A body whose joint is at its centre of mass counts with its radius of gyration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LinkLengths {
     pub mean: f64,

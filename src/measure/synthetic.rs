@@ -1,5 +1,5 @@
-//! What tests are made of: a flywheel whose angular velocity follows a script, an engine whose errors are known, and runs of
-//! known cost and error.
+//! What tests are made of: a flywheel whose angular velocity follows a script, an engine whose errors are known, and
+//! runs of known cost and error.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -14,7 +14,7 @@ use crate::mechanics::coordinates::{JointCoordinates, forward_kinematics};
 use crate::mechanics::{Body, Joint, JointKind, Mobility, Parts, State, System, energy};
 
 /// A flywheel of the given moment of inertia (kg m^2), damping (N m s/rad) and speed (rad/s) about the world's z axis.
-pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
+pub(crate) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
     let joint = Joint {
         name: "axle".into(),
         kind: JointKind::Revolute,
@@ -44,7 +44,7 @@ pub(super) fn flywheel(inertia: f64, damping: f64, speed: f64) -> System {
 }
 
 /// Turns the flywheel with the angular velocity `speed(n)` after `n` steps, and fails at step `fails_at`.
-pub(super) struct Scripted<F> {
+pub(crate) struct Scripted<F> {
     pub speed: F,
     pub taken: u64,
     pub fails_at: Option<(u64, StepFailure)>,

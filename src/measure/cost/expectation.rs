@@ -1,10 +1,10 @@
 //! What is expected of the engines' order, and whether the runs of a sweep show it.
 //!
-//! On smooth motions, at an error that single steps of low order do not reach, `galerkin` is expected to cost at most as much
-//! as `dop853` and `rattle` at most four times as much; and at the cost of rapier's most accurate run `rattle` is expected
-//! to err 1e4 times less. Over long times, whose energy error only symplectic methods bound, both are expected to keep the
-//! energy ten times better than `dop853` at equal cost. Each
-//! comes with the runs that show it or do not.
+//! On smooth motions, at an error that single steps of low order do not reach, `galerkin` is expected to cost at most
+//! as much as `dop853` and `rattle` at most four times as much; and at the cost of rapier's most accurate run `rattle`
+//! is expected to err 1e4 times less. Over long times, whose energy error only symplectic methods bound, both are
+//! expected to keep the energy ten times better than `dop853` at equal cost. Each comes with the runs that show it or
+//! do not.
 
 use super::ranking;
 use crate::measure::run::Run;
@@ -18,7 +18,8 @@ pub const LEAST_GAIN: f64 = 1e4;
 /// Runs of at least this time, s, are long.
 const LONG: f64 = 100.0;
 
-/// Times the energy error of `galerkin` and `rattle` that `dop853`'s is expected to be at least over a long run, at equal cost.
+/// Times the energy error of `galerkin` and `rattle` that `dop853`'s is expected to be at least over a long run, at
+/// equal cost.
 pub const LEAST_ENERGY_GAIN: f64 = 10.0;
 
 /// Energy errors of one engine that differ by less than this factor are taken as equal.
@@ -37,14 +38,14 @@ pub struct Known<'a> {
 /// What the runs say about an expectation.
 #[derive(Clone, Copy, Debug)]
 pub enum Expectation<'a> {
-    /// For a joint position error of `target` the engine costs at most `most` times as much as `rival`; `own` is its cheapest run
-    /// that reaches the target or, where none does, its most accurate.
+    /// For a joint position error of `target` the engine costs at most `most` times as much as `rival`; `own` is its
+    /// cheapest run that reaches the target or, where none does, its most accurate.
     Cost { engine: &'static str, most: f64, target: f64, rival: Known<'a>, reached: bool, own: Known<'a> },
-    /// At the cost of `rival`, rapier's most accurate run, rattle errs [`LEAST_GAIN`] times less; `own` is its most accurate that
-    /// is as cheap, `enough` its cheapest that is accurate enough.
+    /// At the cost of `rival`, rapier's most accurate run, rattle errs [`LEAST_GAIN`] times less; `own` is its most
+    /// accurate that is as cheap, `enough` its cheapest that is accurate enough.
     Gain { rival: Known<'a>, own: Option<Known<'a>>, enough: Option<Known<'a>> },
-    /// In the time of `own`, the cheapest run of the engine that keeps the energy best, `dop853` errs [`LEAST_ENERGY_GAIN`] times
-    /// more; where it is cheaper than half, `cheap` is what the engine does in its time.
+    /// In the time of `own`, the cheapest run of the engine that keeps the energy best, `dop853` errs
+    /// [`LEAST_ENERGY_GAIN`] times more; where it is cheaper than half, `cheap` is what the engine does in its time.
     Energy { engine: &'static str, own: Known<'a>, rival: Known<'a>, cheap: Option<Option<Known<'a>>> },
 }
 
@@ -101,8 +102,8 @@ fn gain(runs: &[Run]) -> Option<Expectation<'_>> {
     Some(Expectation::Gain { rival, own: most_accurate(own.into_iter().filter(|k| k.cost <= rival.cost)), enough })
 }
 
-/// In the time of the run of `engine` that keeps the energy best, the cheapest of those within a factor [`AS_GOOD`], which differ
-/// by roundoff: `dop853` at any setting that takes no longer, or its cheapest.
+/// In the time of the run of `engine` that keeps the energy best, the cheapest of those within a factor [`AS_GOOD`],
+/// which differ by roundoff: `dop853` at any setting that takes no longer, or its cheapest.
 fn energy<'a>(runs: &'a [Run], engine: &'static str) -> Option<Expectation<'a>> {
     let known = |engine: &'static str| {
         let long = runs.iter().filter(|run| run.horizon.end >= LONG);

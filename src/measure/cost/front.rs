@@ -1,6 +1,7 @@
 //! Runs that no other beats in both cost and error.
 
-/// Of `(cost, error)` pairs those that no other is both as cheap as and more accurate than, by index, the cheapest first.
+/// Of `(cost, error)` pairs those that no other is both as cheap as and more accurate than, by index, the cheapest
+/// first.
 pub fn front(runs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by(|&a, &b| runs[a].0.total_cmp(&runs[b].0).then(runs[a].1.total_cmp(&runs[b].1)));

@@ -1,21 +1,21 @@
 //! What an accuracy costs each engine, and which engine reaches it for less.
 //!
-//! Every run of a sweep is timed in a few rounds, which on a machine with other work tell costs apart to a tenth or so. Ranks
-//! need more: the runs that can be the cheapest of their engine at a target, where two engines are near each other there, are
-//! timed again in many rounds ([`Effort::RANKING`](super::clock::Effort::RANKING)).
+//! Every run of a sweep is timed in a few rounds, which on a machine with other work tell costs apart to a tenth or so.
+//! Ranks need more: the runs that can be the cheapest of their engine at a target, where two engines are near each
+//! other there, are timed again in many rounds ([`Effort::RANKING`](super::clock::Effort::RANKING)).
 
 use crate::measure::run::Run;
 
 /// Joint position errors that engines are ranked at, rad or m.
 pub const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 
-/// Joint position errors at which the cost of an engine is held against that of another beside them; the first that can be
-/// judged is taken.
+/// Joint position errors at which the cost of an engine is held against that of another beside them; the first that can
+/// be judged is taken.
 pub const FINE_TARGETS: [f64; 2] = [1e-9, 1e-8];
 
-/// Engines share a rank whose costs differ by less than this factor. Measured, on machines with other work: the ratio of two
-/// engines' costs differs from run to run by 1.5 to 2.7 % (nine pairs in ten), and by 7.5 % (`galerkin` to `dop853`) where
-/// something else keeps the whole processor slow all through a run.
+/// Engines share a rank whose costs differ by less than this factor. Measured, on machines with other work: the ratio
+/// of two engines' costs differs from run to run by 1.5 to 2.7 % (nine pairs in ten), and by 7.5 % (`galerkin` to
+/// `dop853`) where something else keeps the whole processor slow all through a run.
 const ALIKE: f64 = 1.15;
 /// First timings may be wrong by a factor of nearly this for one run against another.
 const UNSURE: f64 = 1.5;
@@ -56,8 +56,8 @@ pub fn rank(runs: &[Run], target: f64) -> Vec<Place> {
     found
 }
 
-/// The targets that a reference known to `reference_error` can judge, each with its places; those that no run can be held to
-/// are left out.
+/// The targets that a reference known to `reference_error` can judge, each with its places; those that no run can be
+/// held to are left out.
 pub fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Place>)> {
     let judged = TARGETS.into_iter().filter(|target| is_judged(*target, reference_error));
     judged.map(|target| (target, rank(runs, target))).filter(|(_, places)| !places.is_empty()).collect()

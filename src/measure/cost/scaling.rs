@@ -32,8 +32,8 @@ impl Scaling<'_> {
         (self.engines.len() * self.systems.len()) as u64 * Effort::FULL.turns()
     }
 
-    /// Times every engine on every system, in turns; what an engine cannot simulate or step is left out. `None` where it
-    /// was interrupted.
+    /// Times every engine on every system, in turns; what an engine cannot simulate or step is left out. `None` where
+    /// it was interrupted.
     pub fn run(&self, interrupted: &AtomicBool, taken: &AtomicU64) -> Option<Vec<Point>> {
         let cases: Vec<(&Spec, &(usize, System))> =
             self.engines.iter().flat_map(|spec| self.systems.iter().map(move |system| (spec, system))).collect();

@@ -1,7 +1,8 @@
 //! The settings that are tried beside those of a comparison, so that each engine is judged by its best.
 //!
-//! A sweep takes every setting over the first [`LONGEST`] seconds of a scene, or less where the truth ends sooner, at step
-//! sizes that divide this time: errors are compared at the same twenty times in every run, or at those of them that it has.
+//! A sweep takes every setting over the first [`LONGEST`] seconds of a scene, or less where the truth ends sooner, at
+//! step sizes that divide this time: errors are compared at the same twenty times in every run, or at those of them
+//! that it has.
 
 use crate::engines::swept::{self, Swept};
 use crate::engines::{self, Spec, SpecError};
@@ -52,8 +53,8 @@ fn counts_of(spec: &Spec, quick: bool) -> &'static [u64] {
     same.map(|swept| swept.quick).filter(|quick| !quick.is_empty()).unwrap_or(usual)
 }
 
-/// The time that a sweep simulates, s: the largest of 1, 2, 5 times a power of ten within the scene's duration, the time
-/// that the truth is known for, and [`LONGEST`]. `None` where the truth is not known.
+/// The time that a sweep simulates, s: the largest of 1, 2, 5 times a power of ten within the scene's duration, the
+/// time that the truth is known for, and [`LONGEST`]. `None` where the truth is not known.
 pub fn span(duration: f64, trusted_until: f64) -> Option<f64> {
     let longest = duration.min(trusted_until).min(LONGEST);
     (longest > 0.0).then(|| round_below(longest))

@@ -46,8 +46,8 @@ impl Verdict {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     pub verdict: Verdict,
-    /// Slope of the straight line through the block means, 1/s; negative where energy is lost. Absent where the run was too
-    /// short.
+    /// Slope of the straight line through the block means, 1/s; negative where energy is lost. Absent where the run was
+    /// too short.
     pub slope_per_s: Option<f64>,
     /// Absent after a blow-up.
     pub exponent: Option<Exponent>,

@@ -37,8 +37,8 @@ const WALK_SLOW: f64 = 0.0015;
 const WALK_EXPONENT: f64 = 0.75;
 const WALK_EXPLAINED: f64 = 0.95;
 
-/// Judges a run from its stretches, which follow each other from t = 0 and have equally many steps; the last one may have
-/// fewer. `None` for fewer than [`MIN_STEPS`] steps, unless the run ended in a blow-up.
+/// Judges a run from its stretches, which follow each other from t = 0 and have equally many steps; the last one may
+/// have fewer. `None` for fewer than [`MIN_STEPS`] steps, unless the run ended in a blow-up.
 pub fn growth(stretches: &[Stretch], diverged: bool) -> Option<Growth> {
     let steps: u64 = stretches.iter().map(|s| s.count).sum();
     let largest = stretches.iter().map(|s| s.error.amplitude()).fold(0.0, f64::max);
@@ -101,8 +101,8 @@ fn widens(blocks: &[Stretch], parts: &Parts) -> bool {
     finer.change >= WIDENING && (steady || both)
 }
 
-/// Exponent 0. A spread of 1 that a drift widens by `excess` over the run grows like `1 + excess t`, which between half of
-/// the run and its end is the power below.
+/// Exponent 0. A spread of 1 that a drift widens by `excess` over the run grows like `1 + excess t`, which between half
+/// of the run and its end is the power below.
 fn no_growth(excess: f64) -> (Verdict, Exponent) {
     let excess = if excess.is_finite() { excess } else { 0.0 };
     let high = ((1.0 + excess) / (1.0 + 0.5 * excess)).log2();

@@ -5,8 +5,8 @@ use super::figures::Exponent;
 /// 97.5 % of the normal distribution.
 const NORMAL: f64 = 1.96;
 
-/// The interval of Abry and Veitch takes octaves as independent and Gaussian; for Haar wavelets of a random walk it holds
-/// the true exponent this much less often than it should. Fixed so that it does so for 95 % of random walks.
+/// The interval of Abry and Veitch takes octaves as independent and Gaussian; for Haar wavelets of a random walk it
+/// holds the true exponent this much less often than it should. Fixed so that it does so for 95 % of random walks.
 const HAAR_INTERVAL: f64 = 1.3;
 
 /// Octaves that are always kept.
@@ -55,8 +55,8 @@ impl Line {
     }
 }
 
-/// By how much the variance of a mean is larger than for values without memory: `(1 + r) / (1 - r)` with the correlation
-/// `r >= 0` of neighbours.
+/// By how much the variance of a mean is larger than for values without memory: `(1 + r) / (1 - r)` with the
+/// correlation `r >= 0` of neighbours.
 fn memory(residual: &[f64]) -> f64 {
     let square: f64 = residual.iter().map(|x| x * x).sum();
     let neighbours: f64 = residual.windows(2).map(|pair| pair[0] * pair[1]).sum();
@@ -83,8 +83,8 @@ struct Octave {
     weight: f64,
 }
 
-/// Slope of the Haar deviation: 1/2 for a random walk, 1 for a line, -1/2 for white noise. Fine octaves are left out until a
-/// straight line passes the chi-square test at 1 %.
+/// Slope of the Haar deviation: 1/2 for a random walk, 1 for a line, -1/2 for white noise. Fine octaves are left out
+/// until a straight line passes the chi-square test at 1 %.
 pub(super) fn haar_exponent(values: &[f64]) -> Exponent {
     let octaves = octaves(values);
     let mut from = 0;

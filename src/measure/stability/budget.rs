@@ -1,5 +1,5 @@
-//! What a run costs, in nominal microseconds: a formula of each engine in bodies and steps, never a clock, so that a suite finds
-//! the same cells over budget everywhere.
+//! What a run costs, in nominal microseconds: a formula of each engine in bodies and steps, never a clock, so that a
+//! suite finds the same cells over budget everywhere.
 
 use crate::engines::Spec;
 use crate::mechanics::System;

@@ -10,8 +10,8 @@ pub struct Family {
     pub title: &'static str,
     /// What is asked of an engine here, one sentence.
     pub question: &'static str,
-    /// Whether it shows the borders of explicit methods, which it then runs beside the engines of every family where none is
-    /// named.
+    /// Whether it shows the borders of explicit methods, which it then runs beside the engines of every family where
+    /// none is named.
     pub explicit: bool,
     pub scans: &'static [Scan],
 }
@@ -51,8 +51,8 @@ pub enum Length {
     Steps,
 }
 
-/// The run that the truth of a scene is taken from where the reference does not come far: an engine at a fine step, in units
-/// of the clock, which is halved to see how far the two agree.
+/// The run that the truth of a scene is taken from where the reference does not come far: an engine at a fine step, in
+/// units of the clock, which is halved to see how far the two agree.
 #[derive(Clone, Copy, Debug)]
 pub struct FineRun {
     pub engine: &'static str,

@@ -68,8 +68,8 @@ impl Suite {
         place.map_or(&[], |place| &self.engines[place])
     }
 
-    /// The cells of a shard in the order of reports: case, engine, step. Shards take the cases in turn, so that the truth of
-    /// a case is found once.
+    /// The cells of a shard in the order of reports: case, engine, step. Shards take the cases in turn, so that the
+    /// truth of a case is found once.
     pub fn cells(&self, shard: Shard) -> Vec<Cell<'_>> {
         let mine = self.cases.iter().skip(shard.index - 1).step_by(shard.of);
         mine.flat_map(|case| {
@@ -91,8 +91,8 @@ fn work_of(cell: &Cell) -> u64 {
     (1e6 * cell.cost()) as u64 + 1
 }
 
-/// Runs cells on `jobs` threads, the dearest cases first, and hands each finding to `done` as soon as it is there, from the
-/// thread that found it. `progress` counts towards [`work`]. Stops early where `interrupted`.
+/// Runs cells on `jobs` threads, the dearest cases first, and hands each finding to `done` as soon as it is there, from
+/// the thread that found it. `progress` counts towards [`work`]. Stops early where `interrupted`.
 pub fn run(
     cells: &[Cell],
     jobs: usize,
@@ -175,8 +175,8 @@ mod tests {
         let total = |costs: &[(&str, f64)]| costs.iter().map(|(_, cost)| cost).sum::<f64>();
         let (whole, quick) = (costs(&suite(false)), costs(&suite(true)));
         println!("whole {:.0} s: {whole:?}\nquick {:.0} s: {quick:?}", total(&whole), total(&quick));
-        // 30 and 2 minutes on two cores, with a third and a sixth to spare; most cases need either the reference or the fine
-        // runs, and both are counted: the quick suite takes 50 s of processor time.
+        // 30 and 2 minutes on two cores, with a third and a sixth to spare; most cases need either the reference or the
+        // fine runs, and both are counted: the quick suite takes 50 s of processor time.
         assert!(total(&whole) < 2400.0, "{whole:?}");
         assert!(total(&quick) < 200.0, "{quick:?}");
     }

@@ -1,5 +1,5 @@
-//! The truth that a cell is measured against: the reference at two tolerances that agree or, where that does not come far, a
-//! fine run of the core that agrees with one at half its step.
+//! The truth that a cell is measured against: the reference at two tolerances that agree or, where that does not come
+//! far, a fine run of the core that agrees with one at half its step.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -49,8 +49,8 @@ impl TrueSamples {
         self.states.len() as f64 / SAMPLES as f64
     }
 
-    /// The largest difference of a run's samples from the truth. `None` where the truth is not known for long enough or the
-    /// run did not come that far.
+    /// The largest difference of a run's samples from the truth. `None` where the truth is not known for long enough or
+    /// the run did not come that far.
     pub fn error(&self, samples: &[(u64, State)]) -> Option<f64> {
         let known = self.states.len() as u64;
         let judged: Vec<f64> = samples
@@ -63,9 +63,9 @@ impl TrueSamples {
     }
 }
 
-/// Finds the truth of a scene at a value of its scan: that of the reference, whose coordinates and whose code are not those of
-/// the engines that are judged, unless a fine run comes further. `None` where it was interrupted; a truth without
-/// states where there is none to be had.
+/// Finds the truth of a scene at a value of its scan: that of the reference, whose coordinates and whose code are not
+/// those of the engines that are judged, unless a fine run comes further. `None` where it was interrupted; a truth
+/// without states where there is none to be had.
 pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) -> Option<TrueSamples> {
     let Some((spec, steps)) = plan(scan, value) else { return Some(TrueSamples::nothing()) };
     let duration = scan.duration(value, 1.0);
@@ -89,8 +89,8 @@ pub fn find(scan: &Scan, value: f64, system: &System, interrupted: &AtomicBool) 
     Some(if longer { independent } else { ours })
 }
 
-/// The samples of the reference as far as its two tolerances agree, within the cost [`REFERENCE`]; and whether they end at
-/// the end of the run or where the two part, and not where the means were spent.
+/// The samples of the reference as far as its two tolerances agree, within the cost [`REFERENCE`]; and whether they end
+/// at the end of the run or where the two part, and not where the means were spent.
 fn by_reference(system: &System, duration: f64, interrupted: &AtomicBool) -> (TrueSamples, bool) {
     let length = LinkLengths::of(system).longest_path;
     let times: Vec<f64> = (1..=SAMPLES).map(|k| k as f64 * duration / SAMPLES as f64).collect();
@@ -122,8 +122,8 @@ fn plan(scan: &Scan, value: f64) -> Option<(Spec, u64)> {
     Some((Spec::parse(engine).ok()?, per_part * SAMPLES))
 }
 
-/// What the truth of a case costs, nominal s: a quarter of what the two tolerances of the reference may, which is more than the
-/// mean over all cases, and the fine runs.
+/// What the truth of a case costs, nominal s: a quarter of what the two tolerances of the reference may, which is more
+/// than the mean over all cases, and the fine runs.
 pub fn cost(scan: &Scan, value: f64, bodies: usize) -> f64 {
     plan(scan, value).map_or(0.0, |(spec, steps)| 0.5 * REFERENCE + budget::seconds(&spec, bodies, 3 * steps))
 }

@@ -45,8 +45,8 @@ pub struct Structure {
     pub detail: Option<String>,
 }
 
-/// The state [`EXAMINED_AT`] into the motion (at most `longest` s), with its time; the initial state where the motion cannot
-/// be had.
+/// The state [`EXAMINED_AT`] into the motion (at most `longest` s), with its time; the initial state where the motion
+/// cannot be had.
 pub fn examined_state(system: &System, longest: f64) -> (State, f64) {
     let steps = (EXAMINED_AT.min(longest) / LEADING_STEP).round();
     let lead = || -> Option<State> {
@@ -59,8 +59,8 @@ pub fn examined_state(system: &System, longest: f64) -> (State, f64) {
     lead().map_or_else(|| (system.initial.clone(), 0.0), |state| (state, steps * LEADING_STEP))
 }
 
-/// The structure of [`STEPS`] steps of an engine from a state, which is `at` s into the motion. `None` where the engine does not
-/// support the system or the examination was interrupted.
+/// The structure of [`STEPS`] steps of an engine from a state, which is `at` s into the motion. `None` where the engine
+/// does not support the system or the examination was interrupted.
 pub fn examine(
     system: &System,
     spec: &Spec,

@@ -18,7 +18,8 @@ pub enum Failure {
     #[error("the mass matrix of the joint coordinates is not positive")]
     Singular,
     #[error(
-        "the structure of the steps took longer than its budget of {budget_s} s on the wall clock; allow more with --budget"
+        "the structure of the steps took longer than its budget of {budget_s} s on the wall clock; allow more with \
+         --budget"
     )]
     OverBudget { budget_s: f64 },
     #[error("interrupted")]

@@ -2,8 +2,8 @@
 //!
 //! The rows `g(theta) = 0` of the loops and mimic joints leave some coordinates `u` free; the others follow by Newton's
 //! method, and their rates by `thetadot = B(theta) udot` with `G B = 0`, `G = dg/dtheta`. With the kinetic energy
-//! restricted to such rates the momenta are `p_u = B^T p`, and `(u, p_u)` are canonical on the constraint manifold (Marsden
-//! and West 2001, section 3.4: the form there is the pullback of `dtheta ^ dp`).
+//! restricted to such rates the momenta are `p_u = B^T p`, and `(u, p_u)` are canonical on the constraint manifold
+//! (Marsden and West 2001, section 3.4: the form there is the pullback of `dtheta ^ dp`).
 
 use nalgebra::{DMatrix, DVector};
 

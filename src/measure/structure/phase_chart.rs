@@ -1,9 +1,9 @@
 //! Joint coordinates and their conjugate momenta, in a chart about a state.
 //!
-//! A coordinate is an angle or a length; a rotation of three coordinates is `R = R_c C(s)` with the chart's centre `R_c` and
-//! the Cayley rotation `C(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`, which turns with the angular velocity
-//! `2 / (1 + |s|^2) (sdot + s x sdot)`. With `J` the twists of the bodies by the rates of the coordinates, momenta are
-//! `p = dK/dthetadot = J^T M v`. Any such coordinates and momenta are canonical: `Omega = dtheta ^ dp`.
+//! A coordinate is an angle or a length; a rotation of three coordinates is `R = R_c C(s)` with the chart's centre
+//! `R_c` and the Cayley rotation `C(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`, which turns with the angular
+//! velocity `2 / (1 + |s|^2) (sdot + s x sdot)`. With `J` the twists of the bodies by the rates of the coordinates,
+//! momenta are `p = dK/dthetadot = J^T M v`. Any such coordinates and momenta are canonical: `Omega = dtheta ^ dp`.
 
 use std::f64::consts::TAU;
 

@@ -15,8 +15,8 @@ pub struct Differenced {
     pub error: f64,
 }
 
-/// Increments of the differences, in rad, m, rad/s and m/s. A long one errs by its sixth power, a short one by roundoff,
-/// which single precision makes 10^9 times larger; so another pair suits each engine.
+/// Increments of the differences, in rad, m, rad/s and m/s. A long one errs by its sixth power, a short one by
+/// roundoff, which single precision makes 10^9 times larger; so another pair suits each engine.
 pub const INCREMENTS: [f64; 5] = [6.4e-2, 1.6e-2, 4e-3, 1.6e-3, 6.4e-4];
 
 /// Symplecticity defect of a map at a state, with the coordinates moved back by `lag` s. Of all neighbouring increments

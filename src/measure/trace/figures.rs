@@ -44,8 +44,8 @@ pub struct Trace {
     pub series: Series<QUANTITIES>,
 }
 
-/// Energy errors over the energy scale of the scene, signed: negative where energy is missing. In damped and driven scenes
-/// it is the balance: the work of the dampers is added first and that of the drives taken off.
+/// Energy errors over the energy scale of the scene, signed: negative where energy is missing. In damped and driven
+/// scenes it is the balance: the work of the dampers is added first and that of the drives taken off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyError {
     /// Largest absolute value over all steps.
@@ -105,8 +105,8 @@ impl Trace {
 }
 
 impl StartDifference {
-    /// Between an engine's first state and the initial state of the system, where the engine's energy is that of the masses
-    /// and the gravity of `theirs`.
+    /// Between an engine's first state and the initial state of the system, where the engine's energy is that of the
+    /// masses and the gravity of `theirs`.
     pub(in crate::measure) fn of(theirs: &System, system: &System, state: &State) -> StartDifference {
         let mut all = StartDifference::default();
         for (a, b) in state.bodies.iter().zip(&system.initial.bodies) {

@@ -12,8 +12,8 @@ use crate::measure::truth::accuracy::Follower;
 use crate::measure::truth::trusted::Truth;
 use crate::mechanics::System;
 
-/// Steps an engine over the horizon, starting from the system's initial state, and measures every state. `None` where it
-/// was interrupted.
+/// Steps an engine over the horizon, starting from the system's initial state, and measures every state. `None` where
+/// it was interrupted.
 pub fn trace(system: &System, engine: &mut dyn Engine, horizon: Horizon, limits: &Limits) -> Option<Trace> {
     trace_against(None, system, engine, horizon, limits)
 }

@@ -10,9 +10,9 @@ const MIDDLE: usize = POINTS / 2 - 1;
 
 /// `W_n`, the integral from 0 to `n h`, from the values at `0, h, 2h, ...`.
 ///
-/// Each step `[t_(n-1), t_n]` is integrated with the polynomial through [`POINTS`] values, half of them on either side, so
-/// that an integral is known some steps later. The first and the last steps use the first and the last values, so that no
-/// rule of low order spoils the ends; a shorter run uses the polynomial through all that it has.
+/// Each step `[t_(n-1), t_n]` is integrated with the polynomial through [`POINTS`] values, half of them on either side,
+/// so that an integral is known some steps later. The first and the last steps use the first and the last values, so
+/// that no rule of low order spoils the ends; a shorter run uses the polynomial through all that it has.
 #[derive(Clone, Debug)]
 pub(super) struct RunningIntegral {
     /// Step size.
@@ -88,8 +88,8 @@ fn weights(points: usize, interval: usize) -> [f64; POINTS] {
 mod tests {
     use super::*;
 
-    /// The largest error of the integral of `x^degree` over all its points, 1/5 apart from -2 to 2, over the largest of the
-    /// exact values.
+    /// The largest error of the integral of `x^degree` over all its points, 1/5 apart from -2 to 2, over the largest of
+    /// the exact values.
     fn error(degree: i32) -> f64 {
         let (h, steps) = (0.2, 20);
         let x = |n: usize| h * n as f64 - 2.0;

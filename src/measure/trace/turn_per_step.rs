@@ -5,13 +5,15 @@ use nalgebra::UnitQuaternion;
 use crate::engines::Engine;
 use crate::mechanics::{State, System};
 
-/// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for: they
-/// need `h omega` below about 1 for every frequency, and that of a body that turns is felt several times over.
+/// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for:
+/// they need `h omega` below about 1 for every frequency, and that of a body that turns is felt several times over.
 pub const FAR_TURN: f64 = 0.3;
 
-/// The largest turn of a body in a step so far: by its angular velocity, `h |Omega|`, and by the attitudes before and after.
+/// The largest turn of a body in a step so far: by its angular velocity, `h |Omega|`, and by the attitudes before and
+/// after.
 ///
-/// Every command that runs an engine warns by [`TurnPerStep::warning`]. Engines that choose steps of their own are not warned of turns.
+/// Every command that runs an engine warns by [`TurnPerStep::warning`]. Engines that choose steps of their own are not
+/// warned of turns.
 #[derive(Clone, Debug)]
 pub struct TurnPerStep {
     /// Step of the run, s.
@@ -52,8 +54,8 @@ impl TurnPerStep {
         let turns = far.then(|| {
             let below = self.step * FAR_TURN / self.largest;
             format!(
-                "body '{}' turns by {:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a step below \
-                 {below:.1e} s",
+                "body '{}' turns by {:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a step \
+                 below {below:.1e} s",
                 system.bodies[self.body].name, self.largest
             )
         });
@@ -80,8 +82,8 @@ mod tests {
             turn.warning(&system, &engine)
         };
         assert_eq!(warning(29.0), None);
-        let words = "body 'wheel' turns by 0.60 rad in a step; energy bounds are for less than about 0.3: take a step below \
-                     5.0e-3 s";
+        let words = "body 'wheel' turns by 0.60 rad in a step; energy bounds are for less than about 0.3: take a step \
+                     below 5.0e-3 s";
         assert_eq!(warning(60.0).as_deref(), Some(words));
     }
 }

@@ -62,8 +62,8 @@ impl Work {
         self.rough = (power, self.rough.1 + 0.5 * self.step * (self.rough.0 + power));
     }
 
-    /// Integrates up to the newest state. Calls `known` with each work since the start that is known from now on, in the
-    /// order of the states: a state waits for the few that follow.
+    /// Integrates up to the newest state. Calls `known` with each work since the start that is known from now on, in
+    /// the order of the states: a state waits for the few that follow.
     pub(super) fn integrate(&mut self, known: impl FnMut(f64)) {
         self.integral.push(self.rough.0, known);
     }
@@ -85,8 +85,8 @@ mod tests {
     use crate::measure::synthetic;
     use crate::mechanics::Drive;
 
-    /// The error of the work in a run of a flywheel whose speed is `omega(t)`, over its largest kinetic energy, when the
-    /// exact work is that which the kinetic energy lacks.
+    /// The error of the work in a run of a flywheel whose speed is `omega(t)`, over its largest kinetic energy, when
+    /// the exact work is that which the kinetic energy lacks.
     fn error(system: &System, h: f64, omega: &dyn Fn(f64) -> f64) -> f64 {
         let inertia = system.bodies[0].inertia.z;
         let mut joints = CoordinateTracker::new(system);

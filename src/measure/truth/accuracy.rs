@@ -1,9 +1,9 @@
 //! Position errors of a run against the truth, at times that both have.
 //!
-//! A *joint error* is the difference of one joint's coordinates: of an angle (rad, the short way round), of a length (m), of
-//! the rotation of a ball or floating joint (rad, the angle between the two). A *pose error* is that of a body: the distance
-//! between the two centres of mass (m) and the angle between the two attitudes (rad). Neither forgives an error of phase: a
-//! pendulum that keeps its energy and swings too slowly is in the wrong place.
+//! A *joint error* is the difference of one joint's coordinates: of an angle (rad, the short way round), of a length
+//! (m), of the rotation of a ball or floating joint (rad, the angle between the two). A *pose error* is that of a body:
+//! the distance between the two centres of mass (m) and the angle between the two attitudes (rad). Neither forgives an
+//! error of phase: a pendulum that keeps its energy and swings too slowly is in the wrong place.
 
 use std::f64::consts::TAU;
 
@@ -62,7 +62,8 @@ impl<'a> Follower<'a> {
         Follower { system, truth, next: 0, found: Vec::with_capacity(truth.times.len()), coordinates }
     }
 
-    /// Takes in the state at `time` (s) of a run with steps of `step` (s), which are told apart to a millionth of a step.
+    /// Takes in the state at `time` (s) of a run with steps of `step` (s), which are told apart to a millionth of a
+    /// step.
     pub fn add(&mut self, time: f64, step: f64, state: &State) {
         let near = 1e-6 * step;
         while self.truth.times.get(self.next).is_some_and(|t| *t < time - near) {

@@ -1,5 +1,5 @@
-//! Finds the truth of a system: the reference trajectory, checked by a looser tolerance of its own and by `rattle:order=8`,
-//! which shares nothing with it but the system.
+//! Finds the truth of a system: the reference trajectory, checked by a looser tolerance of its own and by
+//! `rattle:order=8`, which shares nothing with it but the system.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

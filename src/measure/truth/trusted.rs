@@ -26,13 +26,13 @@ pub struct Truth {
     pub trusted_until: f64,
 }
 
-/// States at the first of some given times, at all of them unless the trajectory could not be continued; `None` at a time
-/// that it was not evaluated at.
+/// States at the first of some given times, at all of them unless the trajectory could not be continued; `None` at a
+/// time that it was not evaluated at.
 pub type Trajectory = Vec<Option<State>>;
 
 impl Truth {
-    /// Judges `states` by their disagreement with each of `others`, which all have the same `times`, and keeps what can be
-    /// trusted.
+    /// Judges `states` by their disagreement with each of `others`, which all have the same `times`, and keeps what can
+    /// be trusted.
     pub fn new(system: &System, method: String, times: &[f64], states: Vec<State>, others: &[Trajectory]) -> Truth {
         let reach = scales::reach(system);
         let mut estimates = Vec::with_capacity(times.len());

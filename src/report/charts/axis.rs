@@ -29,8 +29,8 @@ pub enum Axis {
 const EDGE: f64 = 0.03;
 
 impl Axis {
-    /// The whole decades, at least one, that hold all values; what is not positive does not count. Nothing below `floor` or
-    /// above `ceiling` (exponents) is shown. `None` where no value counts.
+    /// The whole decades, at least one, that hold all values; what is not positive does not count. Nothing below
+    /// `floor` or above `ceiling` (exponents) is shown. `None` where no value counts.
     pub fn decades(values: impl Iterator<Item = f64>, floor: i32, ceiling: i32) -> Option<Axis> {
         // A marker on the very edge would be cut.
         let (low, high) = extent(values)?;

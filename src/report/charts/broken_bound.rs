@@ -30,7 +30,8 @@ const CEILING: i32 = 6;
 const THIS: Look = Look { colour: BLUE, marker: Marker::Circle };
 const BOUND: Look = Look { colour: VERMILLION, marker: Marker::Diamond };
 
-/// Draws the quantity that the figure was taken from, where the run keeps it as a series, else the figure itself as a level.
+/// Draws the quantity that the figure was taken from, where the run keeps it as a series, else the figure itself as a
+/// level.
 ///
 /// # Errors
 /// A canvas that cannot be drawn on.

@@ -20,8 +20,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         &Subject {
             title: format!("How far the joints come apart: {}", report.scene.name),
             subtitle: format!(
-                "Largest displacement (m) or rotation (rad) that a joint does not allow; each line joins the largest values \
-                 in {} intervals",
+                "Largest displacement (m) or rotation (rad) that a joint does not allow; each line joins the largest \
+                 values in {} intervals",
                 time_panels::INTERVALS
             ),
             y: "joint error, m or rad",

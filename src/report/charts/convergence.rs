@@ -14,7 +14,8 @@ use crate::report::words::number::{plain, short};
 
 pub const CHART: Chart = Chart {
     file: "convergence.png",
-    caption: "Joint position error against step size for every engine of fixed steps, with the fitted order or the floor at each line",
+    caption: "Joint position error against step size for every engine of fixed steps, with the fitted order or the \
+              floor at each line",
     draw,
 };
 
@@ -29,8 +30,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let looks = style::looks_of(shown.iter().map(|c| c.engine.as_str()));
     let title = format!("Error against step size: {}", report.scene.name);
     let subtitle = format!(
-        "Largest error of a joint position over the first {} s against the reference; at each line the fitted order, or, \
-         where it does not converge, the error at which it stops falling",
+        "Largest error of a joint position over the first {} s against the reference; at each line the fitted order, \
+         or, where it does not converge, the error at which it stops falling",
         plain(sweep.until_s, 4)
     );
     let group = |c: &Convergence| engines::group_of(&c.engine);
@@ -72,8 +73,8 @@ fn of<'a>(sweep: &'a Sweep, c: &Convergence) -> Vec<&'a Run> {
     sweep.runs.iter().filter(|r| r.engine == c.engine && r.joint_error().is_some()).collect()
 }
 
-/// The floor at the finest step where the engine does not converge, else the order at the coarsest step at which the error
-/// is small.
+/// The floor at the finest step where the engine does not converge, else the order at the coarsest step at which the
+/// error is small.
 fn label(c: &Convergence, points: &[(f64, f64)]) -> Option<((f64, f64), String)> {
     let coarse = points.iter().copied().find(|p| p.1 < 0.1);
     let floor = match c.verdict {

@@ -19,7 +19,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
         &Subject {
             title: format!("Energy error over time: {}", scene.name),
             subtitle: format!(
-                "|E(t) − E(0)| over the energy scale of the scene, {} J; each line joins the largest values in {} intervals",
+                "|E(t) − E(0)| over the energy scale of the scene, {} J; each line joins the largest values in {} \
+                 intervals",
                 written(scene.energy_scale_j),
                 time_panels::INTERVALS
             ),

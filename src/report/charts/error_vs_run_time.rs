@@ -11,8 +11,8 @@ use crate::report::words::number::duration;
 
 pub const CHART: Chart = Chart {
     file: "error_vs_run_time.png",
-    caption: "Energy error and joint error against processor time for every engine, one marker a step size; lower left is \
-              better",
+    caption: "Energy error and joint error against processor time for every engine, one marker a step size; lower left \
+              is better",
     draw,
 };
 
@@ -58,8 +58,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     }
     let looks = style::looks(report);
     let title = format!("Error against run time: {}", report.scene.name);
-    let subtitle = "One marker a step size; lower left is better. Largest error of the run; CPU time of the stepping alone, \
-                    one thread";
+    let subtitle = "One marker a step size; lower left is better. Largest error of the run; CPU time of the stepping \
+                    alone, one thread";
     canvas::render(|area| {
         let area = legend::frame(area, &title, subtitle, &looks, &notes(report))?;
         let width = area.dim_in_pixel().0 / panels.len() as u32;

@@ -110,8 +110,8 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Small words beside points, each where it covers least of the points, and of the lines through them. Words that would
-    /// cover two markers or other words are left out.
+    /// Small words beside points, each where it covers least of the points, and of the lines through them. Words that
+    /// would cover two markers or other words are left out.
     pub fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
         let mut covered: Vec<Span> = Vec::new();
         for line in lines {

@@ -60,7 +60,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let Some(first) = report.runs.iter().find_map(|run| run.structure.as_ref()) else { return Ok(None) };
     let title = format!("Structure of {} steps: {}", first.steps, report.scene.name);
     let subtitle = format!(
-        "{} steps from the state {} into the motion as a map of joint coordinates and momenta. The exact motion has no defect.",
+        "{} steps from the state {} into the motion as a map of joint coordinates and momenta. The exact motion has no \
+         defect.",
         first.steps,
         duration(first.at_s)
     );
@@ -99,8 +100,8 @@ fn curves(panel: &Panel, runs: &[&Run], look: style::Look, subject: &Subject) ->
 
 fn notes(report: &Report) -> Vec<String> {
     let mut notes = vec![
-        "Thin lines without markers: the error of the differences that give the derivative; a defect below it cannot be told from \
-         none."
+        "Thin lines without markers: the error of the differences that give the derivative; a defect below it cannot \
+         be told from none."
             .to_string(),
     ];
     if report.runs.iter().any(|r| (SUBJECTS[1].corrected)(r).is_some()) {

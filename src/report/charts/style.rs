@@ -87,15 +87,15 @@ fn own(name: &str) -> Option<Look> {
     Some(Look { colour, marker: look.marker })
 }
 
-// For settings without a look of their own: cool colours for our engines, warm ones for those of other programs, and for
-// engines of other versions what these have least of.
+// For settings without a look of their own: cool colours for our engines, warm ones for those of other programs, and
+// for engines of other versions what these have least of.
 const COOL: [RGBColor; 7] = [GREEN, SKY, BLACK, NAVY, TEAL, LIME, BLUE];
 const WARM: [RGBColor; 6] = [BROWN, OLIVE, STONE, ORANGE, PURPLE, VERMILLION];
 const NEUTRAL: [RGBColor; 6] = [STONE, TEAL, BROWN, LIME, NAVY, OLIVE];
 const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Triangle, Marker::Square, Marker::Circle];
 
-/// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of a
-/// family.
+/// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of
+/// a family.
 pub fn looks(report: &Report) -> Vec<(&str, Look)> {
     looks_of(report.runs.iter().map(|run| run.engine.as_str()))
 }

@@ -12,8 +12,8 @@ use crate::report::words::number::{duration, plain};
 /// Smallest value shown, a power of ten: below the roundoff of doubles.
 const FLOOR: i32 = -18;
 
-/// A run is drawn by its largest value in each of so many intervals of equal length. An error that swings through zero would
-/// fill a logarithmic axis with spikes that say nothing.
+/// A run is drawn by its largest value in each of so many intervals of equal length. An error that swings through zero
+/// would fill a logarithmic axis with spikes that say nothing.
 pub const INTERVALS: usize = 40;
 
 /// What is drawn.

@@ -1,5 +1,5 @@
-//! `work_precision.png`: joint position error against processor time for every setting that was tried, and the fronts of
-//! the settings that no other of the same engine beats.
+//! `work_precision.png`: joint position error against processor time for every setting that was tried, and the fronts
+//! of the settings that no other of the same engine beats.
 
 use super::axis::Axis;
 use super::canvas::{self, ChartError};
@@ -14,8 +14,8 @@ use crate::report::words::number::{duration, plain};
 
 pub const CHART: Chart = Chart {
     file: "work_precision.png",
-    caption: "Joint position error against processor time for every setting that was tried; lines join the settings of an \
-              engine that no other of its settings beats; lower left is better",
+    caption: "Joint position error against processor time for every setting that was tried; lines join the settings of \
+              an engine that no other of its settings beats; lower left is better",
     draw,
 };
 
@@ -42,8 +42,8 @@ fn draw(report: &Report) -> Result<Option<Vec<u8>>, ChartError> {
     let looks = style::looks_of(lines.iter().map(|line| line.name));
     let title = format!("What accuracy costs: {}", report.scene.name);
     let subtitle = format!(
-        "Largest error of a joint position over the first {} s against the reference. A dot is a setting at a step size; a \
-         line joins those of an engine that no other beats. Lower left is better",
+        "Largest error of a joint position over the first {} s against the reference. A dot is a setting at a step \
+         size; a line joins those of an engine that no other beats. Lower left is better",
         plain(sweep.until_s, 4)
     );
     canvas::render(|area| {

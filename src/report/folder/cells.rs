@@ -1,7 +1,7 @@
 //! Finished cells on disk while a suite runs: `suite.json` says which suite, `cells.jsonl` holds one line a cell.
 //!
-//! A line is written by one call and counts only with its newline, so a program that is killed at any moment leaves whole
-//! lines and at most one piece of a line, which is dropped when the suite is resumed.
+//! A line is written by one call and counts only with its newline, so a program that is killed at any moment leaves
+//! whole lines and at most one piece of a line, which is dropped when the suite is resumed.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
@@ -24,7 +24,8 @@ pub enum StoreError {
     Read { path: PathBuf, error: io::Error },
     #[error("{}: {error}", path.display())]
     Json { path: PathBuf, error: serde_json::Error },
-    #[error("{}: holds another suite: {what}; use the same options, another --out, or leave out --resume", path.display())]
+    #[error("{}: holds another suite: {what}; use the same options, another --out, or leave out \
+             --resume", path.display())]
     OtherSuite { path: PathBuf, what: String },
 }
 

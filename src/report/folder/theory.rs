@@ -20,11 +20,17 @@ pub enum TheoryError {
     Write(#[from] WriteError),
     #[error("{path}: cannot be read: {error}", path = path.display())]
     Read { path: PathBuf, error: io::Error },
-    #[error("{path}: not a file of `theory`: {error}; write it again with: rattlebench theory TOPIC", path = path.display())]
+    #[error(
+        "{path}: not a file of `theory`: {error}; write it again with: rattlebench theory TOPIC",
+        path = path.display()
+    )]
     Json { path: PathBuf, error: serde_json::Error },
     #[error("{path}: \"schema\" is \"{schema}\"; this program reads \"{FILE_SCHEMA}\"", path = path.display())]
     Schema { path: PathBuf, schema: String },
-    #[error("{path}: the data are not those of topic \"{topic}\"; write it again with: rattlebench theory TOPIC", path = path.display())]
+    #[error(
+        "{path}: the data are not those of topic \"{topic}\"; write it again with: rattlebench theory TOPIC",
+        path = path.display()
+    )]
     Topic { path: PathBuf, topic: String },
 }
 
@@ -73,8 +79,8 @@ struct Head {
     schema: String,
 }
 
-/// Writes `<topic>.json` of the topics given and draws all topics of the folder. Returns the files written and the page's
-/// path.
+/// Writes `<topic>.json` of the topics given and draws all topics of the folder. Returns the files written and the
+/// page's path.
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written, a file of an earlier run that cannot be read.

@@ -13,8 +13,8 @@ pub fn html(cost: &Cost, pictures: &[Picture]) -> String {
         @for picture in pictures { (figure(picture)) }
         (words(&table(cost)))
         p.small {
-            "CPU time of the stepping alone at a step of " (short(cost.step_s)) " s, on one thread, engines in turns, median of \
-             the rounds, over the first " (plain(cost.timed_s, 4)) " s or the part of it that takes 0.4 s."
+            "CPU time of the stepping alone at a step of " (short(cost.step_s)) " s, on one thread, engines in turns, \
+             median of the rounds, over the first " (plain(cost.timed_s, 4)) " s or the part of it that takes 0.4 s."
         }
         (machine_list(&cost.machine))
         (version_list(&cost.versions))

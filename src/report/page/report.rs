@@ -14,7 +14,8 @@ use crate::report::words::number::{duration, plain, short, written};
 use crate::report::words::summary;
 use crate::report::words::{finding, table};
 
-/// The page of a report: the finding, the pictures, the table, what was simulated and ignored, machine, versions, command.
+/// The page of a report: the finding, the pictures, the table, what was simulated and ignored, machine, versions,
+/// command.
 pub fn html(report: &Report, pictures: &[Picture]) -> String {
     let description = &report.scene.description;
     let body = html! {
@@ -47,13 +48,14 @@ fn runs(report: &Report) -> Markup {
         (notes(report, |run| run.outcome_detail.as_deref()))
         (notes(report, |run| run.warning.as_deref()))
         p.small {
-            "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over the \
-             energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved back to \
-             the time of the velocities, for engines that return the two at different times. Position error: the \
-             largest error of a joint position against the reference, as long as that is trusted. Joint error: the largest \
-             displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how the energy error \
-             grows over the run; a run of few swings can mislead, a longer one decides; one of fewer than 2000 steps is not judged. CPU time: of the stepping alone, on \
-             one thread, median of the repeats; long runs are timed over their first part."
+            "Energy error: the energy of the engine's state minus that at the start, plus what dampers took out, over \
+             the energy scale; the largest absolute value over all steps. Corrected: the same with the positions moved \
+             back to the time of the velocities, for engines that return the two at different times. Position error: \
+             the largest error of a joint position against the reference, as long as that is trusted. Joint error: the \
+             largest displacement or rotation, over all joints and steps, that a joint does not allow. Verdict: how \
+             the energy error grows over the run; a run of few swings can mislead, a longer one decides; one of fewer \
+             than 2000 steps is not judged. CPU time: of the stepping alone, on one thread, median of the repeats; \
+             long runs are timed over their first part."
             @if let Some(overhead) = report.timing.as_ref().and_then(|t| t.overhead_us_per_step) {
                 " The loop around a step takes " (plain(1e3 * overhead, 2)) " ns of it."
             }
@@ -69,14 +71,15 @@ fn structure(report: &Report) -> Markup {
         (engine_table(report, &columns))
         (notes(report, |run| run.structure.as_ref()?.detail.as_deref()))
         p.small {
-            (first.steps) " steps from the state " (plain(first.at_s, 3)) " s into the motion, the same for all engines, as one \
-             map of joint coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω for the derivative A of the map, \
-             by differences; a defect below the differences' error cannot be told from none. Reversal: the distance from the start after the \
-             steps, a reversal of all velocities, as many steps and another reversal. Corrected: the same map in coordinates \
-             moved back to the time of the velocities. Momentum: the largest change of a conserved component over its scale. An \
-             engine is made new at every point, from the coordinates and velocities that belong to it. Memory: the distance \
-             between twice the steps of one engine and the steps of two engines made new, which is what steps take from those \
-             before them: joint errors, impulses kept for the next solve. Distances in rad, m, rad/s or m/s."
+            (first.steps) " steps from the state " (plain(first.at_s, 3)) " s into the motion, the same for all \
+             engines, as one map of joint coordinates and conjugate momenta. Form: the largest entry of AᵀΩA − Ω \
+             for the derivative A of the map, by differences; a defect below the differences' error cannot be told \
+             from none. Reversal: the distance from the start after the steps, a reversal of all velocities, as many \
+             steps and another reversal. Corrected: the same map in coordinates moved back to the time of the \
+             velocities. Momentum: the largest change of a conserved component over its scale. An engine is made new \
+             at every point, from the coordinates and velocities that belong to it. Memory: the distance between twice \
+             the steps of one engine and the steps of two engines made new, which is what steps take from those before \
+             them: joint errors, impulses kept for the next solve. Distances in rad, m, rad/s or m/s."
         }
     }
 }
@@ -120,9 +123,10 @@ fn costs(sweep: &sweep::Sweep) -> Markup {
             h2 { "What accuracy costs" }
             (words(&targets))
             p.small {
-                "CPU seconds a simulated second of the cheapest setting of each engine whose largest joint position error (rad \
-                 or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, and that setting; \
-                 from the lower decile over the rounds, of which settings that decide an order of engines have "
+                "CPU seconds a simulated second of the cheapest setting of each engine whose largest joint position \
+                 error (rad or m) over the first " (plain(sweep.until_s, 4)) " s stays below the head of the column, \
+                 and that setting; from the lower decile over the rounds, of which settings that decide an order of \
+                 engines have "
                 (Effort::RANKING.rounds) ". The reference is known to " (written(sweep.reference_error)) "."
             }
             @if !sweep.expectations.is_empty() {
@@ -138,8 +142,9 @@ fn convergence(sweep: &sweep::Sweep) -> Markup {
             h2 { "Convergence" }
             (words(&table))
             p.small {
-                "The order is the slope of the joint position error over the step size at the finest steps whose errors are above \
-                 the floor, roundoff and what the reference leaves uncertain; the floor is the smallest error, where shorter steps no longer reduce it. A floor at roundoff is no defect; one far \
+                "The order is the slope of the joint position error over the step size at the finest steps whose \
+                 errors are above the floor, roundoff and what the reference leaves uncertain; the floor is the \
+                 smallest error, where shorter steps no longer reduce it. A floor at roundoff is no defect; one far \
                  above it comes from single precision, clamps, or constraints that are solved only in part."
             }
         }
@@ -152,10 +157,14 @@ fn reference_of(reference: &reference::Reference) -> Markup {
         dl {
             dt { "Method" } dd { (reference.method) }
             dt { "Trusted until" } dd { (plain(reference.trusted_until_s, 4)) " s" }
-            dt { "Estimated error" } dd { (written(reference.error_estimate)) ", of positions over the reach, of attitudes in rad" }
+            dt { "Estimated error" }
+            dd { (written(reference.error_estimate)) ", of positions over the reach, of attitudes in rad" }
         }
     }
 }
+
+const PARITY_HEADS: [&str; 8] =
+    ["mass", "inertia", "centre of mass, m", "energy", "linear momentum", "angular momentum", "acceleration", "solved"];
 
 fn parity_of(parity: &parity::Parity) -> Markup {
     let absent = |x: Option<f64>| x.map_or("–".to_string(), short);
@@ -167,8 +176,7 @@ fn parity_of(parity: &parity::Parity) -> Markup {
                     tr {
                         th.word { "engine" }
                         th.word { "agrees" }
-                        @for head in ["mass", "inertia", "centre of mass, m", "energy", "linear momentum", "angular momentum",
-                                      "acceleration", "solved"] { th.number { (head) } }
+                        @for head in PARITY_HEADS { th.number { (head) } }
                     }
                 }
                 tbody {
@@ -186,11 +194,12 @@ fn parity_of(parity: &parity::Parity) -> Markup {
             }
         }
         p.small {
-            "Relative differences at t = 0 between what an engine has and the system. Masses, inertias and centres of mass are \
-             read back from engines that keep their own. Accelerations are those of the joints, from the first steps of the engine, \
-             against the reference; solved: the same with the constraints solved to the end, where the settings of the engine \
-             leave them half solved. They are told and not judged where the steps do not resolve the motion, and in single precision \
-             with impulse joints or where roundoff hides them; what is read back is judged."
+            "Relative differences at t = 0 between what an engine has and the system. Masses, inertias and centres of \
+             mass are read back from engines that keep their own. Accelerations are those of the joints, from the \
+             first steps of the engine, against the reference; solved: the same with the constraints solved to the \
+             end, where the settings of the engine leave them half solved. They are told and not judged where the \
+             steps do not resolve the motion, and in single precision with impulse joints or where roundoff hides \
+             them; what is read back is judged."
         }
     }
 }

@@ -1,4 +1,5 @@
-//! `index.html` of a suite: for each family the map and where each engine's border lies, then every cell that went wrong.
+//! `index.html` of a suite: for each family the map and where each engine's border lies, then every cell that went
+//! wrong.
 
 use maud::{Markup, html};
 
@@ -11,7 +12,8 @@ use crate::report::words::number::{compact, written};
 
 pub fn html(report: &StabilityReport, pictures: &[Picture]) -> String {
     let body = html! {
-        p.description { "Where each engine stops being right, and how it fails: scenes along a parameter, against the step." }
+        p.description { "Where each engine stops being right, and how it fails: scenes along a parameter, against the \
+                         step." }
         (totals(report))
         @for (family, picture) in report.results.iter().zip(pictures) {
             h2 { (family.title) ": " (family.question) }
@@ -104,18 +106,22 @@ fn rules() -> Markup {
     html! {
         h2 { "How cells are classified" }
         p {
-            "In this order. " strong { "Over budget" } ": the run would cost too much by a formula of engine, bodies and steps. "
+            "In this order. " strong { "Over budget" } ": the run would cost too much by a formula of engine, bodies \
+             and steps. "
             strong { "Refused" } ": the engine cannot, or ended with a named reason. "
-            strong { "Blow-up" } ": a state that is not a number, or an energy error above " (BLOW_UP) " energy scales. "
+            strong { "Blow-up" } ": a state that is not a number, or an energy error above "
+            (BLOW_UP) " energy scales. "
             strong { "Joints apart" } ": by more than " (BROKEN) " of a link, or rad. "
-            strong { "Accurate" } ": errors of pose, energy and joints all below " (ACCURATE) " of their scale, where the truth is \
-            known: the reference at two tolerances that agree, or a fine run of the core that agrees with one at half its step. "
-            strong { "Bounded" } ": the energy error does not grow, comes back, or stays below " (written(MATERIAL)) " of its scale. "
-            strong { "Drifting" } ", " strong { "gaining" } ", " strong { "dissipating" } ": it grows like a random walk, upwards, \
-            downwards. In scenes with dampers the energy is the balance: what the dampers took out, by the velocities in the \
-            engine's own states, is added to the energy that is left. "
-            "An exclamation mark on a map is the program's own warning: bodies that turn too far in a step for energy bounds, or a \
-            linkage that passes a singular configuration within a step."
+            strong { "Accurate" } ": errors of pose, energy and joints all below " (ACCURATE) " of their scale, where \
+             the truth is known: the reference at two tolerances that agree, or a fine run of the core that agrees \
+             with one at half its step. "
+            strong { "Bounded" } ": the energy error does not grow, comes back, or stays below "
+            (written(MATERIAL)) " of its scale. "
+            strong { "Drifting" } ", " strong { "gaining" } ", " strong { "dissipating" } ": it grows like a random \
+             walk, upwards, downwards. In scenes with dampers the energy is the balance: what the dampers took out, by \
+             the velocities in the engine's own states, is added to the energy that is left. "
+            "An exclamation mark on a map is the program's own warning: bodies that turn too far in a step for energy \
+             bounds, or a linkage that passes a singular configuration within a step."
         }
     }
 }

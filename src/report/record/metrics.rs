@@ -168,7 +168,8 @@ pub const METRICS: [Metric; 26] = [
     Metric {
         name: TIME_RATIO,
         unit: "",
-        summary: "processor time a step, over that of another engine in the same comparison; a bound names it by \"against\"",
+        summary: "processor time a step, over that of another engine in the same comparison; a bound names it by \
+                  \"against\"",
         value: |_| None,
     },
 ];

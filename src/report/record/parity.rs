@@ -18,8 +18,8 @@ pub struct Parity {
 pub struct EngineParity {
     pub engine: String,
     pub agrees: bool,
-    /// Largest relative differences of masses and principal moments, and distance of a centre of mass, as read back from
-    /// the engine; absent for engines that compute on the system itself.
+    /// Largest relative differences of masses and principal moments, and distance of a centre of mass, as read back
+    /// from the engine; absent for engines that compute on the system itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -37,10 +37,11 @@ pub struct EngineParity {
     /// The same with the constraints solved to the end, where the engine's settings leave them half solved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration_solved: Option<f64>,
-    /// What the figures are held to: accelerations, solved where there are two, to the second bound, the others to the first.
+    /// What the figures are held to: accelerations, solved where there are two, to the second bound, the others to the
+    /// first.
     pub bound: f64,
-    /// Absent where accelerations are told and not judged: motions that the steps do not resolve, and single precision with
-    /// constraints that iterations solve or with velocities whose roundoff hides the accelerations.
+    /// Absent where accelerations are told and not judged: motions that the steps do not resolve, and single precision
+    /// with constraints that iterations solve or with velocities whose roundoff hides the accelerations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration_bound: Option<f64>,
 }

@@ -19,8 +19,8 @@ use crate::model::Scene;
 pub const SCHEMA: &str = "rattlebench/report/1";
 
 /// A comparison of engines on one scene. Everything but `machine` and what is measured by the clock (`timing`, the
-/// `time` of each run, the `targets` of the sweep) is the same, byte for byte, whenever the same program compares the same
-/// scene by the same command and no run goes over its budget.
+/// `time` of each run, the `targets` of the sweep) is the same, byte for byte, whenever the same program compares the
+/// same scene by the same command and no run goes over its budget.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     /// Always `rattlebench/report/1`.

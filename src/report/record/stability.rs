@@ -29,8 +29,8 @@ pub struct SuiteRecord {
     pub families: Vec<String>,
 }
 
-/// A finished suite. It holds no time, machine or command: the same program writes the same bytes for the same suite, however
-/// it was run.
+/// A finished suite. It holds no time, machine or command: the same program writes the same bytes for the same suite,
+/// however it was run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StabilityReport {
     #[serde(flatten)]

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::structure;
 
-/// How far a few steps, as one map of joint coordinates and conjugate momenta, are from the properties of the exact motion.
-/// The engine is made new at every point. Coordinates in rad and m, momenta over the diagonal of the mass matrix in rad/s and m/s.
+/// How far a few steps, as one map of joint coordinates and conjugate momenta, are from the properties of the exact
+/// motion. The engine is made new at every point. Coordinates in rad and m, momenta over the diagonal of the mass
+/// matrix in rad/s and m/s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Structure {
     /// Time of the state that the steps start from, the same for all engines, s.
@@ -22,8 +23,8 @@ pub struct Structure {
     pub momentum_map: Option<MomentumMap>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// For an engine whose positions and velocities belong to different times: the same map in coordinates moved back to
-    /// the time of the velocities.
+    /// For an engine whose positions and velocities belong to different times: the same map in coordinates moved back
+    /// to the time of the velocities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_level_corrected: Option<CorrectedStructure>,
     /// Why a figure is missing.
@@ -35,7 +36,8 @@ pub struct Structure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Symplecticity {
     pub defect: f64,
-    /// What the differences that give the derivative err by, from two increments. A defect below it cannot be told from none.
+    /// What the differences that give the derivative err by, from two increments. A defect below it cannot be told from
+    /// none.
     pub differencing_error: f64,
 }
 
@@ -51,8 +53,8 @@ pub struct MomentumMap {
     pub defect: f64,
 }
 
-/// Distance between twice the steps of one engine and the steps of two engines made new: what steps take from those before
-/// them.
+/// Distance between twice the steps of one engine and the steps of two engines made new: what steps take from those
+/// before them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
     pub distance: f64,

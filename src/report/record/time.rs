@@ -49,8 +49,8 @@ impl Timing {
     pub(super) fn new(findings: &Findings) -> Timing {
         Timing {
             method: format!(
-                "processor time of the stepping thread, engines in turns round by round, median over the rounds; settings of the \
-                 sweep that decide a rank in {} rounds, and costs compared by the lower decile",
+                "processor time of the stepping thread, engines in turns round by round, median over the rounds; \
+                 settings of the sweep that decide a rank in {} rounds, and costs compared by the lower decile",
                 Effort::RANKING.rounds
             ),
             rounds: Effort::FULL.rounds,

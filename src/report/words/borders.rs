@@ -4,7 +4,8 @@ use super::number::{compact, duration, plain};
 use crate::measure::stability::Class;
 use crate::report::record::stability::{CellRecord, ScanRecord, StabilityReport};
 
-/// What an engine does over a scan: everywhere, or over the values at the step nearest to 1 ms (1e-3 of the scan's clock).
+/// What an engine does over a scan: everywhere, or over the values at the step nearest to 1 ms (1e-3 of the scan's
+/// clock).
 pub fn sentence(scan: &ScanRecord, engine: &str) -> String {
     let cells: Vec<&CellRecord> = scan.cells.iter().filter(|cell| cell.engine == engine).collect();
     if let Some(words) = common(cells.iter().copied()) {
@@ -138,7 +139,8 @@ mod tests {
         assert_eq!(sentence(&[ConstraintBroken; 3], &[Accurate; 3]), "accurate at every value at a step of 1 ms");
         assert_eq!(
             sentence(&[ConstraintBroken; 5], &[Accurate, Bounded, ConstraintBroken, Refused, Refused]),
-            "at a step of 1 ms accurate or bounded up to 10, joints apart at 100, refused from 1000; no step serves every value"
+            "at a step of 1 ms accurate or bounded up to 10, joints apart at 100, refused from 1000; no step serves \
+             every value"
         );
     }
 }

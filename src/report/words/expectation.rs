@@ -44,8 +44,8 @@ fn cost(
     (expected, found)
 }
 
-/// Why a method can cost more than an explicit one of variable steps: what it takes a simulated second, as measured, and what
-/// the two methods do.
+/// Why a method can cost more than an explicit one of variable steps: what it takes a simulated second, as measured,
+/// and what the two methods do.
 fn reason(run: &Run) -> String {
     let (engine, name) = (run.engine.to_string(), run.engine.entry().name);
     let steps = plain(1.0 / run.horizon.step, 4);
@@ -53,16 +53,16 @@ fn reason(run: &Run) -> String {
     let composed = composition::ALL.iter().find(|c| engine.contains(&format!("order={}", c.order)));
     let own = match composed {
         _ if name == "galerkin" => format!(
-            "its {steps} steps a simulated second are all as long as the most violent moment allows, and it iterates the \
-             stages of each to roundoff in {} µs",
+            "its {steps} steps a simulated second are all as long as the most violent moment allows, and it iterates \
+             the stages of each to roundoff in {} µs",
             micros(1)
         ),
         _ if engine.contains("step=adaptive") => {
             "its steps fit the motion too, but are of order 2 and solve the joints to roundoff".to_string()
         }
         Some(c) => format!(
-            "each of its {steps} steps a simulated second is {} steps of order 2, which solve the joints {} roundoff in {} \
-             µs each",
+            "each of its {steps} steps a simulated second is {} steps of order 2, which solve the joints {} roundoff \
+             in {} µs each",
             c.stages(),
             if c.reaches_roundoff() { "to far below" } else { "to" },
             micros(c.stages())
@@ -148,15 +148,15 @@ mod tests {
         let found = sentences(&expectations(&all(1.5e-4, 3e-4, 1e-4), 1e-12));
         assert_eq!(
             found[0],
-            "Expected and not so, for 10⁻⁹ galerkin costs at most as much as dop853: dop853:tolerance=2e-9 needs 0.0001 s a \
-             simulated second for 10⁻⁹, galerkin:stages=6 at 0.1 s 1.5 times that: its 10 steps a simulated second are all \
-             as long as the most violent moment allows, and it iterates the stages of each to roundoff in 15 µs, while \
-             dop853 fits its steps to the motion and takes 12 evaluations for each."
+            "Expected and not so, for 10⁻⁹ galerkin costs at most as much as dop853: dop853:tolerance=2e-9 needs \
+             0.0001 s a simulated second for 10⁻⁹, galerkin:stages=6 at 0.1 s 1.5 times that: its 10 steps a \
+             simulated second are all as long as the most violent moment allows, and it iterates the stages of each to \
+             roundoff in 15 µs, while dop853 fits its steps to the motion and takes 12 evaluations for each."
         );
         assert!(found[1].starts_with("As expected, for 10⁻⁹ rattle costs at most 4 times as much as dop853: "));
         let found = &sentences(&expectations(&all(9e-5, 1.7e-3, 1e-4), 1e-12))[1];
-        let reason = "rattle:order=8 at 0.1 s 17 times that: each of its 10 steps a simulated second is 17 steps of order \
-                      2, which solve the joints to far below roundoff in 10 µs each, while dop853 fits";
+        let reason = "rattle:order=8 at 0.1 s 17 times that: each of its 10 steps a simulated second is 17 steps of \
+                      order 2, which solve the joints to far below roundoff in 10 µs each, while dop853 fits";
         assert!(found.starts_with("Expected and not so") && found.contains(reason), "{found}");
         let found = super::reason(&timed_run("rattle:step=adaptive,tol=1e-6", 1.7e-3, 3e-10));
         assert!(found.starts_with("its steps fit the motion too, but are of order 2"), "{found}");

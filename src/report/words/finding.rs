@@ -18,8 +18,9 @@ pub fn common_step(report: &Report) -> Option<f64> {
         .min_by(|&a, &b| completed(b).cmp(&completed(a)).then(far(a).total_cmp(&far(b))))
 }
 
-/// Compares the run with the smallest energy error with the best one of another engine (another setting where there is no
-/// other engine), at one step size, by the states as the engines return them. Where an engine has a smaller time-level-corrected error it is told beside.
+/// Compares the run with the smallest energy error with the best one of another engine (another setting where there is
+/// no other engine), at one step size, by the states as the engines return them. Where an engine has a smaller
+/// time-level-corrected error it is told beside.
 pub fn sentence(report: &Report) -> String {
     let Some(step) = common_step(report) else {
         return "No engine completed a run of this scene.".to_string();

@@ -67,12 +67,14 @@ pub fn two_decimals(x: f64) -> String {
     if text == "-0.00" { "0.00".to_string() } else { text }
 }
 
+const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
 fn superscript(n: i32) -> String {
     n.to_string()
         .chars()
         .map(|c| match c {
             '-' => '⁻',
-            digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit.to_digit(10).unwrap_or(0) as usize],
+            digit => SUPERSCRIPTS[digit.to_digit(10).unwrap_or(0) as usize],
         })
         .collect()
 }

@@ -11,8 +11,8 @@ pub struct Words {
     pub rows: Vec<Vec<String>>,
 }
 
-/// One row an engine, one column a target: the processor seconds a simulated second of the cheapest setting that reaches
-/// it, and the setting.
+/// One row an engine, one column a target: the processor seconds a simulated second of the cheapest setting that
+/// reaches it, and the setting.
 pub fn targets(sweep: &Sweep) -> Option<Words> {
     let first = sweep.targets.first()?;
     let head = std::iter::once("engine".to_string());
@@ -72,8 +72,8 @@ impl Words {
     }
 }
 
-/// What the sweep shows, in a sentence: for the target nearest to 1e-6 that an engine reaches, what it costs each of them,
-/// the cheapest first, those of one rank as they are listed, and which do not reach it.
+/// What the sweep shows, in a sentence: for the target nearest to 1e-6 that an engine reaches, what it costs each of
+/// them, the cheapest first, those of one rank as they are listed, and which do not reach it.
 pub fn sentence(sweep: &Sweep) -> Option<String> {
     let reached = sweep.targets.iter().filter(|t| t.engines.iter().any(|e| e.reached));
     let far = |t: &Target| (t.max_joint_error / 1e-6).ln().abs();
@@ -153,9 +153,9 @@ mod tests {
     fn the_sentence_names_the_cheapest_first_and_who_does_not_reach_it() {
         assert_eq!(
             sentence(&sweep()).expect("a target is reached"),
-            "For joint positions to 10⁻⁶ rad or m over the first 2 s, galerkin:stages=6 at 20 ms needs 0.0012 s of CPU time a \
-             simulated second; dop853:tolerance=1e-8 is as cheap with 0.0011 s; rattle:order=8 at 20 ms needs 0.004 s; rapier does not reach it: its best here is 3.0 × 10⁻⁵ \
-             for 0.2 s."
+            "For joint positions to 10⁻⁶ rad or m over the first 2 s, galerkin:stages=6 at 20 ms needs 0.0012 s of \
+             CPU time a simulated second; dop853:tolerance=1e-8 is as cheap with 0.0011 s; rattle:order=8 at 20 ms \
+             needs 0.004 s; rapier does not reach it: its best here is 3.0 × 10⁻⁵ for 0.2 s."
         );
     }
 

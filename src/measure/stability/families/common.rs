@@ -35,8 +35,8 @@ fn rods_of_two(_: f64) -> Scene {
     chain(2, |_| 1.0, 0.1)
 }
 
-/// A chain of rods along x from the ground, their hinges about y and z in turn, each bent by `bend` rad. Rod `i` of `n`,
-/// from 1, has the mass `mass(i)` kg; none is an empty link.
+/// A chain of rods along x from the ground, their hinges about y and z in turn, each bent by `bend` rad. Rod `i` of
+/// `n`, from 1, has the mass `mass(i)` kg; none is an empty link.
 pub(super) fn chain(n: usize, mass: impl Fn(usize) -> f64, bend: f64) -> Scene {
     let mut assembly = Assembly::new("chain");
     for i in 1..=n {
@@ -62,8 +62,8 @@ pub(super) fn start(position: &[f64], velocity: &[f64]) -> JointInitial {
     }
 }
 
-/// A loop between a point of one link and a point of another (`None` is the ground), both frames parallel to those of their
-/// links at joint position zero; hinges are about y.
+/// A loop between a point of one link and a point of another (`None` is the ground), both frames parallel to those of
+/// their links at joint position zero; hinges are about y.
 pub(super) fn closure(
     kind: LoopKind,
     parent: (Option<usize>, Vector3<f64>),

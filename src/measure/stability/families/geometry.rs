@@ -80,7 +80,8 @@ pub(super) static FAMILY: Family = Family {
     ],
 };
 
-/// Two slender steel rods (7800 kg/m^3, a thirtieth as thick as long) from horizontal, hinges about y and z, elbow bent.
+/// Two slender steel rods (7800 kg/m^3, a thirtieth as thick as long) from horizontal, hinges about y and z, elbow
+/// bent.
 fn size(length: f64) -> Scene {
     let radius = length / 60.0;
     let mass = 7800.0 * std::f64::consts::PI * radius * radius * length;
@@ -104,8 +105,8 @@ fn anisotropy(ratio: f64) -> Scene {
     scene
 }
 
-/// Hinges about z, y and x through one point with a gram between them, and a box of 1 kg that swings about y through the
-/// position where the outer axes meet, up to the missing angle.
+/// Hinges about z, y and x through one point with a gram between them, and a box of 1 kg that swings about y through
+/// the position where the outer axes meet, up to the missing angle.
 fn gimbal(miss: f64) -> Scene {
     let mut assembly = Assembly::new("gimbal");
     let ring = || Some(Inertial { mass: 1e-3, com: Vector3::zeros(), inertia: Matrix3::identity() * 1e-6 });
@@ -132,8 +133,8 @@ fn offset(offset: f64) -> Scene {
     scene
 }
 
-/// Two cranks of 0.2 m on the ground, 0.5 m apart, and a coupler of 0.5 m and a little more between their tips. All bars lie
-/// along x when the cranks point along it; the crank starts 1 rad above it, fast enough to go round.
+/// Two cranks of 0.2 m on the ground, 0.5 m apart, and a coupler of 0.5 m and a little more between their tips. All
+/// bars lie along x when the cranks point along it; the crank starts 1 rad above it, fast enough to go round.
 fn four_bar(longer: f64) -> Scene {
     let (crank, base) = (0.2, 0.5);
     let mut scene = parallelograms(1, crank, base, longer, -1.0);
@@ -141,14 +142,16 @@ fn four_bar(longer: f64) -> Scene {
     scene
 }
 
-/// Cranks of 0.3 m on the ground, 0.4 m apart, couplers between the tips of neighbours, from 0.5 rad below the horizontal.
+/// Cranks of 0.3 m on the ground, 0.4 m apart, couplers between the tips of neighbours, from 0.5 rad below the
+/// horizontal.
 fn ladder(loops: f64) -> Scene {
     let mut scene = parallelograms(loops as usize, 0.3, 0.4, 0.0, 0.5);
     scene.initial[0] = start(&[0.5], &[0.0]);
     scene
 }
 
-/// `loops + 1` cranks at an angle with `loops` couplers; joints in the order crank, coupler, crank, coupler, ..., crank.
+/// `loops + 1` cranks at an angle with `loops` couplers; joints in the order crank, coupler, crank, coupler, ...,
+/// crank.
 fn parallelograms(loops: usize, crank: f64, base: f64, longer: f64, angle: f64) -> Scene {
     let mut assembly = Assembly::new("parallelograms");
     let hinge = |x| Mount::hinge(Vector3::y_axis(), Vector3::new(x, 0.0, 0.0));

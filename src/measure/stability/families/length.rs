@@ -60,8 +60,8 @@ fn hanging(links: f64) -> Scene {
     scene
 }
 
-/// `n + 1` hanging chains of `n` rods, 0.3 m apart, with a rod across from each joint to that of the next chain: `n^2` loops.
-/// Gravity leans by half out of the plane.
+/// `n + 1` hanging chains of `n` rods, 0.3 m apart, with a rod across from each joint to that of the next chain: `n^2`
+/// loops. Gravity leans by half out of the plane.
 fn net(n: f64) -> Scene {
     let n = n as usize;
     let mut assembly = Assembly::new("net");

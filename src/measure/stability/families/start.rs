@@ -49,9 +49,9 @@ pub(super) static FAMILY: Family = Family {
     ],
 };
 
-/// Two ropes of one rod each and a seat of 0.3 m between them, 0.3 m wide at the top: a parallelogram, hanging 1 rad from
-/// the vertical. The right rope is fixed to the ground `open` too far to the right; its hinge is given a velocity that the
-/// others do not have.
+/// Two ropes of one rod each and a seat of 0.3 m between them, 0.3 m wide at the top: a parallelogram, hanging 1 rad
+/// from the vertical. The right rope is fixed to the ground `open` too far to the right; its hinge is given a velocity
+/// that the others do not have.
 fn swing(open: f64, velocity: f64) -> Scene {
     let mut assembly = Assembly::new("swing");
     let hinge = |x| Mount::hinge(Vector3::y_axis(), Vector3::new(x, 0.0, 0.0));

@@ -19,8 +19,8 @@ pub fn draw(problems: &[SmallStepsRecord]) -> Result<Vec<u8>, ChartError> {
     let y = Axis::decades(errors, -17, 12).unwrap_or(Axis::Log { from: -17, to: 2 });
     let subtitle = "Error of the acceleration from one step; the error of the methods themselves is O(h²)";
     let mut note =
-        "From 10⁻³ s up the two forms of the midpoint rule agree. Where the error of the position form stops growing, its second \
-                    difference is below roundoff and reads 0."
+        "From 10⁻³ s up the two forms of the midpoint rule agree. Where the error of the position form stops \
+         growing, its second difference is below roundoff and reads 0."
             .to_string();
     if steps().any(|s| s.blown_up == 0.0 || s.curved == 0.0) {
         note += " A point on the lower edge: an error of exactly 0.";

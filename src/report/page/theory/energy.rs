@@ -26,15 +26,16 @@ struct Wording {
 
 const CONSERVATIVE: Wording = Wording {
     title: "Energy without drag: figure 1 of Marsden and West",
-    caption: "Energy of a particle in a radial potential over time: the exact value, variational Newmark and RK4 at the \
-              same step",
-    system: "A particle in the plane, L = ½|v|² − |q|²(|q|² − 1)², Newmark with β = 0 and γ = ½ against RK4.",
+    caption: "Energy of a particle in a radial potential over time: the exact value, variational Newmark and RK4 at \
+              the same step",
+    system: "A particle in the plane, L = ½|v|² − |q|²(|q|² − 1)², Newmark with β = 0 and γ = ½ against \
+             RK4.",
 };
 
 const DISSIPATIVE: Wording = Wording {
     title: "Energy under weak drag: figure 2 of Marsden and West",
-    caption: "Energy of the particle under weak drag over time: a benchmark, the forced midpoint rule and RK4 at the same \
-              step",
+    caption: "Energy of the particle under weak drag over time: a benchmark, the forced midpoint rule and RK4 at the \
+              same step",
     system: "The same particle with the drag force −0.001 v (example 3.2.3); the midpoint rule with discrete forces \
              against RK4. The benchmark is the reference flow, whose error cannot be seen in the figure.",
 };
@@ -49,8 +50,8 @@ pub(super) fn section(record: &EnergyRecord, topic: &str) -> Result<Section, Cha
         format!("{} {} and {}", curve.method, percent(0), percent(3))
     };
     let finding = format!(
-        "Mean energy less the true one, over the initial energy, in the first and the last quarter of {duration} s at a step \
-         of {step} s: {}; {}.",
+        "Mean energy less the true one, over the initial energy, in the first and the last quarter of {duration} s at \
+         a step of {step} s: {}; {}.",
         offsets(variational),
         offsets(runge_kutta),
     );

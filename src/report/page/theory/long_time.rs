@@ -12,8 +12,8 @@ pub(super) fn section(rows: &[LongTimeRecord]) -> Result<Section, ChartError> {
         written(rows.iter().filter(|r| r.variational == variational).map(of).fold(0.0, f64::max))
     };
     let finding = format!(
-        "All {} variational methods hold the angular momentum to {} and the symplectic form to {}; RK4 errs there by {} and \
-         {}. The ratio of energy drift to largest energy error is at most {} for them and {} for RK4.",
+        "All {} variational methods hold the angular momentum to {} and the symplectic form to {}; RK4 errs there by \
+         {} and {}. The ratio of energy drift to largest energy error is at most {} for them and {} for RK4.",
         rows.iter().filter(|r| r.variational).count(),
         worst(true, |r| r.momentum_error),
         worst(true, |r| r.symplecticity_defect),
@@ -24,13 +24,14 @@ pub(super) fn section(rows: &[LongTimeRecord]) -> Result<Section, ChartError> {
     );
     let length = rows.first().map(|r| format!("{} steps of {} s", r.steps, r.step_s)).unwrap_or_default();
     let explanation = format!(
-        "The particle of figure 1, {length}. Energy error: the largest |H − H₀|, J. Energy drift: the slope of a straight \
-         line through H − H₀ times the length of the run, J. Momentum: the largest error of the angular momentum, kg m²/s. \
-         Form: the largest entry of AᵀJA − J for the derivative A of one step at the end of the run, by differences whose \
-         roundoff is about 10⁻¹². The initial energy is 0.37 J and the angular momentum 0.72 kg m²/s."
+        "The particle of figure 1, {length}. Energy error: the largest |H − H₀|, J. Energy drift: the slope of a \
+         straight line through H − H₀ times the length of the run, J. Momentum: the largest error of the angular \
+         momentum, kg m²/s. Form: the largest entry of AᵀJA − J for the derivative A of one step at the end of \
+         the run, by differences whose roundoff is about 10⁻¹². The initial energy is 0.37 J and the angular \
+         momentum 0.72 kg m²/s."
     );
-    let caption = "Energy error, energy drift, momentum error and symplecticity defect of all methods and of RK4 after a \
-                   long run";
+    let caption = "Energy error, energy drift, momentum error and symplecticity defect of all methods and of RK4 after \
+                   a long run";
     let picture = Picture { caption, png: long_time::draw(rows)? };
     let table = Table {
         caption: format!("After {length}."),

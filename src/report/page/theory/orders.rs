@@ -16,27 +16,27 @@ pub(super) fn section(problems: &[OrdersRecord]) -> Result<Section, ChartError> 
     let deviations: Vec<f64> = deviations.filter_map(|(m, t)| Some((m? - t?).abs())).collect();
     let lower = rows().filter(|r| r.measured.legendre_plus < r.measured.map.map(|order| order - 0.5)).count();
     let finding = format!(
-        "{} of {} orders could be measured, all within {} of theory; the discrete Legendre transforms F± have one order less than L_d \
-         and the map in {lower} of {} cases.",
+        "{} of {} orders could be measured, all within {} of theory; the discrete Legendre transforms F± have one \
+         order less than L_d and the map in {lower} of {} cases.",
         deviations.len(),
         4 * rows().count(),
         plain(deviations.iter().copied().fold(0.0, f64::max), 2),
         rows().count(),
     );
-    let explanation = "Order r: the error of one step is O(h^(r+1)), against the exact discrete Lagrangian, the exact momenta \
-                       at both ends, and the flow. Root mean squares over 20 steps along a motion and its reversal; slope \
-                       through the four smallest steps that are clear of roundoff. Theorem 2.3.1 of Marsden and West gives F± \
-                       the order of L_d; the division by h that Patrick and Cuell point out takes one off, and the map has \
-                       the full order all the same. Methods that need a constant mass matrix are absent from the double \
-                       pendulum, whose mass matrix depends on its position."
+    let explanation = "Order r: the error of one step is O(h^(r+1)), against the exact discrete Lagrangian, the exact \
+                       momenta at both ends, and the flow. Root mean squares over 20 steps along a motion and its \
+                       reversal; slope through the four smallest steps that are clear of roundoff. Theorem 2.3.1 of \
+                       Marsden and West gives F± the order of L_d; the division by h that Patrick and Cuell point out \
+                       takes one off, and the map has the full order all the same. Methods that need a constant mass \
+                       matrix are absent from the double pendulum, whose mass matrix depends on its position."
         .to_string();
     let table = Picture {
         caption: "Measured order of L_d, F−, F+ and the map of every method on two nonlinear problems",
         png: order_table::draw(problems)?,
     };
     let lines = Picture {
-        caption: "Error of one step of the map and of the Legendre transform F+ against the step size, for one method of \
-                  each order",
+        caption: "Error of one step of the map and of the Legendre transform F+ against the step size, for one method \
+                  of each order",
         png: convergence::draw(&problems[0])?,
     };
     Ok(Section {

@@ -36,9 +36,9 @@ pub fn markdown(section: &Section) -> String {
 pub fn html(sections: &[(&TheoryFile, Section)], folder: &Path) -> String {
     let body = html! {
         p.description {
-            "The claims of J. E. Marsden and M. West, “Discrete mechanics and variational integrators”, Acta Numerica 10 \
-             (2001), and of G. W. Patrick and C. Cuell, “Error analysis of variational integrators of unconstrained \
-             Lagrangian systems” (2008/09), as computed here."
+            "The claims of J. E. Marsden and M. West, “Discrete mechanics and variational integrators”, Acta \
+             Numerica 10 (2001), and of G. W. Patrick and C. Cuell, “Error analysis of variational integrators of \
+             unconstrained Lagrangian systems” (2008/09), as computed here."
         }
         @if sections.len() > 1 {
             ul { @for (file, section) in sections { li { a href={ "#" (file.topic) } { (section.title) } } } }

@@ -13,17 +13,17 @@ pub(super) fn section(problems: &[SmallStepsRecord]) -> Result<Section, ChartErr
     let worst = small().flat_map(|s| [s.blown_up, s.curved]).fold(0.0, f64::max);
     let position = small().map(|s| s.position_form).fold(f64::INFINITY, f64::min);
     let finding = format!(
-        "From steps below 10⁻⁸ s down to 10⁻¹² s the acceleration from a step in (q, v), along straight lines or parabolas, \
-         errs by at most {}, that of the position form by at least {}.",
+        "From steps below 10⁻⁸ s down to 10⁻¹² s the acceleration from a step in (q, v), along straight lines \
+         or parabolas, errs by at most {}, that of the position form by at least {}.",
         written(worst),
         written(position)
     );
-    let explanation = "One step from the same initial data. In (q, v) the discrete Euler-Lagrange equations are divided by h \
-                       before they are put into figures, are regular at h = 0 (the blown-up principle of Patrick and Cuell), \
-                       and nothing cancels: for the midpoint rule, whose curves are straight, and for parabolas that \
-                       osculate the motion, with two Gauss points. The position form of the midpoint rule has \
-                       q₂ − 2q₁ + q₀, whose roundoff is divided by h². All are compared with the acceleration in the middle \
-                       of the step, which any of them meets to O(h²)."
+    let explanation = "One step from the same initial data. In (q, v) the discrete Euler-Lagrange equations are \
+                       divided by h before they are put into figures, are regular at h = 0 (the blown-up principle of \
+                       Patrick and Cuell), and nothing cancels: for the midpoint rule, whose curves are straight, and \
+                       for parabolas that osculate the motion, with two Gauss points. The position form of the \
+                       midpoint rule has q₂ − 2q₁ + q₀, whose roundoff is divided by h². All are compared \
+                       with the acceleration in the middle of the step, which any of them meets to O(h²)."
         .to_string();
     let caption = "Error of the acceleration from one step against the step size, in (q, v) along straight lines and \
                    parabolas, and in positions";

@@ -28,7 +28,13 @@ impl Table {
             p.small { (self.caption) }
             div.wide {
                 table {
-                    thead { tr { @for (i, heading) in self.headings.iter().enumerate() { th class=(class(i)) { (heading) } } } }
+                    thead {
+                        tr {
+                            @for (i, heading) in self.headings.iter().enumerate() {
+                                th class=(class(i)) { (heading) }
+                            }
+                        }
+                    }
                     tbody {
                         @for row in &self.rows {
                             tr { @for (i, cell) in row.iter().enumerate() { td class=(class(i)) { (cell) } } }

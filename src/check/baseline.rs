@@ -16,10 +16,10 @@ use crate::report::record::metrics::{METRICS, Metric, VERDICT};
 use crate::report::record::run::{Outcome, Run};
 
 /// An error may grow by this factor.
-pub const FACTOR: f64 = 2.0;
+pub(crate) const FACTOR: f64 = 2.0;
 
 /// A ratio of processor times may grow by this factor.
-pub const TIME_FACTOR: f64 = 1.5;
+pub(crate) const TIME_FACTOR: f64 = 1.5;
 
 /// Figures below this are roundoff.
 const FLOOR: f64 = 1e-14;
@@ -30,7 +30,7 @@ const LEFT_OUT: [&str; 4] =
 
 /// The runs of an earlier report that can be taken again, at most `longest` steps each, and those that cannot, in
 /// words.
-pub fn units(earlier: &Report, system: &System, longest: u64) -> (Vec<Unit>, Vec<String>) {
+pub(crate) fn units(earlier: &Report, system: &System, longest: u64) -> (Vec<Unit>, Vec<String>) {
     let (mut units, mut lost) = (Vec::new(), Vec::new());
     for old in earlier.runs.iter().filter(|r| r.outcome == Outcome::Completed && r.steps <= longest) {
         let spec = Spec::parse(&old.engine).map_err(|e| e.to_string());
@@ -72,7 +72,7 @@ fn again<'a>(report: &'a Report, run: &Run) -> Option<&'a Run> {
 
 /// A figure that has become worse.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Worse {
+pub(crate) struct Worse {
     pub engine: String,
     pub step_s: f64,
     pub metric: String,
@@ -80,7 +80,7 @@ pub struct Worse {
 }
 
 /// Compares the runs that both reports have; the number of figures compared comes with what is worse.
-pub fn compare(earlier: &Report, now: &Report) -> (usize, Vec<Worse>) {
+pub(crate) fn compare(earlier: &Report, now: &Report) -> (usize, Vec<Worse>) {
     let (mut compared, mut worse) = (0, Vec::new());
     for old in earlier.runs.iter().filter(|r| r.outcome == Outcome::Completed) {
         let Some(new) = again(now, old) else { continue };

@@ -5,19 +5,18 @@
 
 use super::judge::{Finding, judge};
 use super::requirement::Requirement;
-use super::run::{self, Unit};
 use crate::engines::{self, Role, Spec};
 use crate::mechanics::System;
 use crate::report::Report;
 
 /// The engines that serve as controls.
-pub fn available() -> Vec<Spec> {
+pub(crate) fn available() -> Vec<Spec> {
     engines::line_up(Role::Control).into_iter().filter_map(|text| Spec::parse(text).ok()).collect()
 }
 
 /// What the controls made of one bound.
 #[derive(Clone, Debug)]
-pub struct Control {
+pub(crate) struct Control {
     pub requirement: Requirement,
     /// Controls that broke it, with the figure that they had.
     pub caught: Vec<(String, String)>,
@@ -26,7 +25,7 @@ pub struct Control {
 }
 
 /// The bounds that controls can break, each with a control in the place of its engine. Bounds on time are left out.
-pub fn requirements(bounds: &[Requirement], controls: &[Spec], system: &System) -> Vec<Requirement> {
+pub(crate) fn requirements(bounds: &[Requirement], controls: &[Spec], system: &System) -> Vec<Requirement> {
     let able = |spec: &&Spec, step: f64| engines::build(spec, system, step).is_ok();
     let judged = bounds.iter().filter(|r| !r.timed());
     judged
@@ -37,13 +36,8 @@ pub fn requirements(bounds: &[Requirement], controls: &[Spec], system: &System) 
         .collect()
 }
 
-/// The runs for them.
-pub fn units(requirements: &[Requirement]) -> Vec<Unit> {
-    run::units(requirements)
-}
-
 /// Sorts out which control broke which bound.
-pub fn results(bounds: &[Requirement], controlled: &[Requirement], report: &Report) -> Vec<Control> {
+pub(crate) fn results(bounds: &[Requirement], controlled: &[Requirement], report: &Report) -> Vec<Control> {
     let findings = judge(controlled, report);
     let judged = bounds.iter().filter(|r| !r.timed());
     judged
@@ -65,7 +59,7 @@ fn figure(finding: &Finding) -> String {
 }
 
 /// A line for each bound, those that catch nothing last and named as such.
-pub fn text(scene: &str, controls: &[Control]) -> String {
+pub(crate) fn text(scene: &str, controls: &[Control]) -> String {
     if available().is_empty() {
         return format!("{scene}: this version has no engine that serves as a control\n");
     }

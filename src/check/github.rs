@@ -3,8 +3,8 @@
 use super::judge::Finding;
 
 /// Set by GitHub Actions to `true`, and to the file that the summary of a job is added to.
-pub const ACTIONS: &str = "GITHUB_ACTIONS";
-pub const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
+pub(crate) const ACTIONS: &str = "GITHUB_ACTIONS";
+pub(crate) const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 
 /// One line for a broken bound; `file` is where the bound stands.
 pub fn annotation(file: &str, scene: &str, finding: &Finding) -> String {

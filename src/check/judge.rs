@@ -22,7 +22,7 @@ pub struct Finding {
 
 impl Finding {
     /// The figure in words.
-    pub fn measured_text(&self) -> String {
+    pub(crate) fn measured_text(&self) -> String {
         self.measured.map_or("–".to_string(), |x| shown(self.requirement.metric, x))
     }
 

@@ -34,4 +34,4 @@ pub use judge::{Finding, judge};
 pub use requirement::{BoundError, Requirement};
 pub use scene::{CheckError, Checked, assert_bounds, check, requirements};
 pub use scope::{QUICK_STEPS, Scope, scoped};
-pub use session_error::SessionError;
+pub(crate) use session_error::SessionError;

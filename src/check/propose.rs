@@ -27,7 +27,7 @@ const LEFT_OUT: [&str; 6] = [
 ];
 
 /// A bound for a figure: `0.5 -> 1`, `1.1e-6 -> 5e-6`.
-pub fn rounded_up(figure: f64) -> f64 {
+pub(crate) fn rounded_up(figure: f64) -> f64 {
     let target = (2.0 * figure.abs()).max(FLOOR);
     let exponent = target.log10().floor() as i32;
     // Read from decimal text, so that the number is the one that a file spells.
@@ -41,7 +41,7 @@ pub fn rounded_up(figure: f64) -> f64 {
 ///
 /// # Errors
 /// None that the scenes of this program meet.
-pub fn default_units(scene: &Scene) -> Result<Vec<Unit>, ProposeError> {
+pub(crate) fn default_units(scene: &Scene) -> Result<Vec<Unit>, ProposeError> {
     let far = |step: &f64| (step / 1e-3).ln().abs();
     let step = scene.steps.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(1e-3);
     let horizon = Horizon::nearest(step, step * QUICK_STEPS as f64)?;
@@ -52,7 +52,7 @@ pub fn default_units(scene: &Scene) -> Result<Vec<Unit>, ProposeError> {
 
 /// Why there is nothing to propose.
 #[derive(Debug, thiserror::Error)]
-pub enum ProposeError {
+pub(crate) enum ProposeError {
     #[error(transparent)]
     Spec(#[from] SpecError),
     #[error(transparent)]

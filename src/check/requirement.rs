@@ -114,7 +114,7 @@ impl Requirement {
 }
 
 /// A value of a figure in words.
-pub fn shown(metric: &Metric, value: f64) -> String {
+pub(crate) fn shown(metric: &Metric, value: f64) -> String {
     match metric.name == VERDICT {
         true => Verdict::ALL.get(value as usize).map_or("?", |v| v.name()).to_string(),
         false if value == 0.0 || (0.01..1000.0).contains(&value.abs()) => format!("{}", (value * 1e3).round() / 1e3),

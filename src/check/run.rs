@@ -19,7 +19,7 @@ pub const TRUTH_BUDGET: Duration = Duration::from_secs(60);
 
 /// Engines that run over the same horizon and, where they are timed, take turns.
 #[derive(Clone, Debug)]
-pub struct Unit {
+pub(crate) struct Unit {
     pub engines: Vec<Spec>,
     pub horizon: Horizon,
     pub need: Need,
@@ -27,7 +27,7 @@ pub struct Unit {
 
 /// How the runs are taken.
 #[derive(Debug)]
-pub struct Settings<'a> {
+pub(crate) struct Settings<'a> {
     /// Threads for runs that are not timed.
     pub jobs: usize,
     /// May be set from outside at any time.
@@ -37,7 +37,7 @@ pub struct Settings<'a> {
 }
 
 /// The fewest runs that have every figure that is required.
-pub fn units(requirements: &[Requirement]) -> Vec<Unit> {
+pub(crate) fn units(requirements: &[Requirement]) -> Vec<Unit> {
     let mut units: Vec<Unit> = Vec::new();
     let mut order: Vec<&Requirement> = requirements.iter().collect();
     order.sort_by_key(|required| !required.need().timed);
@@ -48,7 +48,7 @@ pub fn units(requirements: &[Requirement]) -> Vec<Unit> {
 }
 
 /// Adds a run, or a need to the one that there is. Timed engines over one horizon make up one unit.
-pub fn add(units: &mut Vec<Unit>, spec: &Spec, horizon: Horizon, need: Need) {
+pub(crate) fn add(units: &mut Vec<Unit>, spec: &Spec, horizon: Horizon, need: Need) {
     let has = |unit: &Unit| unit.engines.iter().any(|e| e.to_string() == spec.to_string());
     let there = units.iter_mut().find(|u| u.horizon == horizon && (u.need.timed || !need.timed) && has(u));
     if let Some(unit) = there {
@@ -65,12 +65,12 @@ pub fn add(units: &mut Vec<Unit>, spec: &Spec, horizon: Horizon, need: Need) {
 }
 
 /// Steps that the units take together.
-pub fn steps(units: &[Unit]) -> u64 {
+pub(crate) fn steps(units: &[Unit]) -> u64 {
     units.iter().map(|u| u.engines.len() as u64 * u.horizon.steps).sum()
 }
 
 /// Takes the runs, those that are not timed on several threads, after the truth where one of them is compared with it.
-pub fn run(system: &System, units: &[Unit], settings: &Settings) -> Findings {
+pub(crate) fn run(system: &System, units: &[Unit], settings: &Settings) -> Findings {
     let compared: Vec<Horizon> = units.iter().filter(|u| u.need.compared).map(|u| u.horizon).collect();
     let truth = match compared.is_empty() {
         true => None,

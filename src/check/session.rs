@@ -18,7 +18,7 @@ use crate::report::Report;
 use crate::report::folder::files;
 
 /// A scene with its bounds.
-pub struct Task {
+pub(crate) struct Task {
     pub path: PathBuf,
     pub scene: Scene,
     /// Folder for report and charts.
@@ -52,13 +52,13 @@ impl Task {
     }
 
     /// Whether there is nothing to check.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.requirements.is_empty() && self.left_out == 0 && self.earlier.is_empty()
     }
 }
 
 /// What is told of a scene.
-pub struct Told {
+pub(crate) struct Told {
     /// For the terminal.
     pub text: String,
     findings: Vec<Finding>,
@@ -68,7 +68,7 @@ pub struct Told {
 }
 
 /// Bounds that were proposed.
-pub struct Proposal {
+pub(crate) struct Proposal {
     /// JSON.
     pub text: String,
     pub file: PathBuf,
@@ -77,7 +77,7 @@ pub struct Proposal {
 }
 
 /// How all scenes came out.
-pub struct Conclusion {
+pub(crate) struct Conclusion {
     pub bounds: usize,
     pub broken: usize,
     /// Figures that have become worse than in an earlier report.
@@ -87,10 +87,10 @@ pub struct Conclusion {
 }
 
 /// Shows how far runs are: does `work`, which counts its steps in `taken`.
-pub type Progress<'a> = dyn Fn(&Stage, &mut dyn FnMut()) + 'a;
+pub(crate) type Progress<'a> = dyn Fn(&Stage, &mut dyn FnMut()) + 'a;
 
 /// Runs of a scene that take so many steps together.
-pub struct Stage<'a> {
+pub(crate) struct Stage<'a> {
     pub scene: &'a str,
     pub name: &'static str,
     pub steps: u64,
@@ -98,7 +98,7 @@ pub struct Stage<'a> {
 }
 
 /// How scenes are checked.
-pub struct Session<'a> {
+pub(crate) struct Session<'a> {
     pub scope: Scope,
     /// Run bad integrators against the same bounds.
     pub controls: bool,
@@ -205,7 +205,7 @@ impl Session<'_> {
 ///
 /// # Errors
 /// A file that cannot be made or written.
-pub fn write_junit(file: &Path, tasks: &[Task], told: &[Told]) -> Result<(), SessionError> {
+pub(crate) fn write_junit(file: &Path, tasks: &[Task], told: &[Told]) -> Result<(), SessionError> {
     let scenes: Vec<(&str, &[Finding])> =
         tasks.iter().zip(told).map(|(task, told)| (task.scene.name.as_str(), &told.findings[..])).collect();
     Ok(files::write_whole(file, junit::xml(&scenes)?.as_bytes())?)
@@ -215,7 +215,7 @@ pub fn write_junit(file: &Path, tasks: &[Task], told: &[Told]) -> Result<(), Ses
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_summary(file: Option<&Path>, tasks: &[Task], told: &[Told]) -> Result<(), SessionError> {
+pub(crate) fn write_summary(file: Option<&Path>, tasks: &[Task], told: &[Told]) -> Result<(), SessionError> {
     let parts: Vec<summary::Part> = tasks
         .iter()
         .zip(told)
@@ -240,7 +240,7 @@ pub fn write_summary(file: Option<&Path>, tasks: &[Task], told: &[Told]) -> Resu
 }
 
 /// What became of all bounds.
-pub fn conclude(tasks: &[Task], told: &[Told]) -> Conclusion {
+pub(crate) fn conclude(tasks: &[Task], told: &[Told]) -> Conclusion {
     let count = |f: &dyn Fn(&Told) -> usize| told.iter().map(f).sum::<usize>();
     let broken = count(&|t| t.findings.iter().filter(|f| !f.passed).count());
     let (bounds, worse) = (count(&|t| t.findings.len()), count(&|t| t.worse.len()));

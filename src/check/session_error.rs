@@ -7,7 +7,7 @@ use super::propose::ProposeError;
 use crate::report::folder::files::WriteError;
 
 #[derive(Debug, thiserror::Error)]
-pub enum SessionError {
+pub(crate) enum SessionError {
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error(transparent)]

@@ -4,7 +4,7 @@ use super::judge::Finding;
 
 /// A scene's part of a summary.
 #[derive(Debug)]
-pub struct Part<'a> {
+pub(crate) struct Part<'a> {
     pub scene: &'a str,
     pub findings: &'a [Finding],
     /// Paths of charts of broken bounds.
@@ -14,7 +14,7 @@ pub struct Part<'a> {
 }
 
 /// A table for each scene, the broken bounds first.
-pub fn markdown(parts: &[Part]) -> String {
+pub(crate) fn markdown(parts: &[Part]) -> String {
     let all = || parts.iter().flat_map(|p| p.findings);
     let broken = all().filter(|f| !f.passed).count();
     let mut text = format!("## rattlebench check\n\n{} of {} bounds broken.\n", broken, all().count());

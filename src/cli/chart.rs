@@ -16,7 +16,7 @@ use crate::report::record::theory::{FILE_SCHEMA, TheoryFile};
 
 /// Draw the charts and the page of saved reports, of saved costs and of saved topics of `theory`, again.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// report.json, stability.json and cost.json files, and JSON files that `theory` wrote.
     #[arg(required = true, value_name = "REPORT.json")]
     report: Vec<PathBuf>,

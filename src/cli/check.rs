@@ -16,7 +16,7 @@ use crate::report::folder::files;
 /// Exit code 0 where every bound is kept, 1 where one is broken, 2 where a bound or a scene cannot be used. A run that
 /// does not complete breaks its bounds.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Scene .json files, or .urdf files with --bounds [default: models/*/scene.json].
     input: Vec<PathBuf>,
     /// File {"bounds": [...]} whose bounds replace those of every scene.

@@ -27,7 +27,7 @@ const QUICK_STEPS: usize = 2;
 ///
 /// An engine that diverges or does not converge is a result; the other runs go on.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// .urdf files or scene .json files.
     #[arg(required = true)]
     input: Vec<PathBuf>,

@@ -28,7 +28,7 @@ const TIMED: f64 = 0.2;
 ///
 /// The chains are those of `generate chain`, released from horizontal with every second hinge bent.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[arg(long, value_name = "SPEC", help = input::engine_help(Role::Cost))]
     engine: Vec<String>,
     /// Number of links; may be given several times [default: 1, 2, 5, 10, 20, 50, 100].

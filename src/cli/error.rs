@@ -18,7 +18,7 @@ use crate::report::record::stability::IncompleteError;
 
 /// Why a subcommand could not do its work.
 #[derive(Debug, thiserror::Error)]
-pub enum CliError {
+pub(crate) enum CliError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
@@ -87,7 +87,7 @@ impl From<SessionError> for CliError {
 impl CliError {
     /// 1 for broken bounds; 2 for bad usage, bad input and files that cannot be written; 3 for a run that could not be
     /// finished; 130 for an interruption. A reader of our output that stops early, as `head` does, is no error.
-    pub fn exit_code(&self) -> ExitCode {
+    pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
             CliError::Broken { .. } => ExitCode::from(1),
@@ -98,7 +98,7 @@ impl CliError {
     }
 
     /// Whether there is something to tell.
-    pub fn is_silent(&self) -> bool {
+    pub(crate) fn is_silent(&self) -> bool {
         matches!(self, CliError::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
     }
 }

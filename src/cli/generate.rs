@@ -9,7 +9,7 @@ use crate::model::generate::{Chain, ChainAxes};
 
 /// Print a parametric URDF on stdout.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     family: Family,
 }

@@ -30,7 +30,7 @@ pub fn specs<T: AsRef<str>>(texts: &[T]) -> Result<Vec<Spec>, CliError> {
 }
 
 /// Help of an option that names engines, with those of a line-up as its default.
-pub fn engine_help(role: Role) -> String {
+pub(crate) fn engine_help(role: Role) -> String {
     format!(
         "Engine, such as rapier:joints=multibody,precision=f64; may be given several times [default: {}]",
         line_up(role).join(", ")
@@ -57,7 +57,7 @@ pub fn positive(option: &'static str, value: f64) -> Result<f64, CliError> {
 }
 
 /// The command line as a shell would take it.
-pub fn command_line() -> String {
+pub(crate) fn command_line() -> String {
     let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
     std::iter::once("rattlebench".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
 }

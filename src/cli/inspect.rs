@@ -12,7 +12,7 @@ use crate::model::{Base, Ignored, Scene};
 
 /// Show what was read from a model or scene, what of it is ignored, and what it needs.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// A .urdf file or a scene .json file.
     input: PathBuf,
     /// Print JSON.

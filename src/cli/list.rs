@@ -14,7 +14,7 @@ use crate::report::record::metrics::METRICS;
 
 /// List what there is to choose from.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     what: What,
     /// Print JSON.
     #[arg(long)]

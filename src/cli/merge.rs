@@ -13,7 +13,7 @@ use crate::report::words::borders;
 
 /// Put the shards of one stability suite together: the same bytes as of a suite that was run in one piece.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folders that `stability --shard I/N --out DIR` wrote.
     #[arg(required = true, value_name = "DIR")]
     shard: Vec<PathBuf>,

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-pub use error::CliError;
+pub(crate) use error::CliError;
 
 /// Compares a variational RATTLE integrator with rapier on the same URDF multibody models.
 #[derive(Debug, Parser)]

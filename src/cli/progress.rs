@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 const PERIOD: Duration = Duration::from_millis(250);
 
 /// One stretch of work: what it is, how much of it there is, how much is done.
-pub struct Stage<'a> {
+pub(crate) struct Stage<'a> {
     name: &'static str,
     total: Total<'a>,
     done: &'a AtomicU64,
@@ -41,7 +41,7 @@ impl<'a> Stage<'a> {
 
 /// Runs `work` on this thread while another shows how far its stages are, one after the other. Without a terminal it
 /// only runs `work`.
-pub fn during<T>(title: &str, stages: &[Stage], work: impl FnOnce() -> T) -> T {
+pub(crate) fn during<T>(title: &str, stages: &[Stage], work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {
         return work();
     }

@@ -13,7 +13,7 @@ use crate::report::record::theory::TheoryFile;
 
 /// Print the JSON Schema of a file on stdout.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Which file.
     file: File,
 }

@@ -18,7 +18,7 @@ use crate::report::folder::files::WholeFile;
 /// One row a sample; the first is t = 0 and the last t = T. Positions m and rad (hinges unwrapped), velocities m/s and
 /// rad/s, energies J, joint residuals m or rad and m/s or rad/s.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// A .urdf file or a scene .json file.
     input: PathBuf,
     /// Engine, such as rattle or rapier:joints=multibody,precision=f64.

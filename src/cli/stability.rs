@@ -24,7 +24,7 @@ use crate::report::words::borders;
 /// Every cell gets a class: accurate, bounded, drifting, dissipating, gaining, constraint_broken, blow_up, refused or
 /// over_budget. Finished cells are kept in the folder; --resume runs the rest.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Families to run [default: all].
     #[arg(value_name = "FAMILY", value_parser = PossibleValuesParser::new(
         FAMILIES.into_iter().map(|family| PossibleValue::new(family.name).help(family.question))

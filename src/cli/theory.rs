@@ -14,7 +14,7 @@ use crate::report::record::theory::Data;
 
 /// Compute the figures and tables of the theory: orders, energy, conservation, small steps.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// What to compute [default: everything].
     #[arg(value_name = "TOPIC", value_parser = PossibleValuesParser::new(
         TOPICS.iter().map(|topic| PossibleValue::new(topic.name).help(topic.summary))

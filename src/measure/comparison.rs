@@ -57,7 +57,7 @@ impl Comparison<'_> {
     }
 
     /// Runs of which a few steps are examined.
-    pub fn examinations(&self) -> u64 {
+    pub(crate) fn examinations(&self) -> u64 {
         if self.structure { (self.engines.len() * self.horizons.len()) as u64 } else { 0 }
     }
 

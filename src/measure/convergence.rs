@@ -34,7 +34,7 @@ const STALLED: f64 = 0.3;
 
 /// What the errors at several step sizes say.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Convergence {
+pub(crate) struct Convergence {
     /// Slope of the logarithm of the error over that of the step; `None` with fewer than three errors that count.
     pub order: Option<f64>,
     /// The smallest error, where it has stopped falling.
@@ -69,7 +69,7 @@ impl Verdict {
 
 /// The convergence of every engine setting that was run at several step sizes, with the setting. One that chooses its
 /// own steps has none.
-pub fn of_settings(runs: &[Run], reference_error: f64) -> Vec<(&Spec, Convergence)> {
+pub(crate) fn of_settings(runs: &[Run], reference_error: f64) -> Vec<(&Spec, Convergence)> {
     runs.chunk_by(|a, b| a.engine.to_string() == b.engine.to_string())
         .filter(|runs| runs[0].engine.entry().tolerance.is_none())
         .filter_map(|runs| {
@@ -81,7 +81,7 @@ pub fn of_settings(runs: &[Run], reference_error: f64) -> Vec<(&Spec, Convergenc
 }
 
 /// Judges `(step, error)` pairs; the errors are known to `reference_error`. `None` with fewer than three pairs.
-pub fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence> {
+pub(crate) fn judge(points: &[(f64, f64)], reference_error: f64) -> Option<Convergence> {
     let mut points: Vec<(f64, f64)> =
         points.iter().copied().filter(|(h, e)| *h > 0.0 && e.is_finite() && *e > 0.0).collect();
     points.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
 
 /// A relative energy error from which on a run counts as diverged.
-pub const DIVERGED: f64 = 1e6;
+pub(crate) const DIVERGED: f64 = 1e6;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]

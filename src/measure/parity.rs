@@ -80,7 +80,7 @@ const SINGLE_STEP: f64 = 2e-3;
 const RESOLVED: f64 = 1e-7;
 
 /// The engine that accelerations are compared with.
-pub const REFERENCE: &str = "reference";
+pub(crate) const REFERENCE: &str = "reference";
 
 impl Parity {
     /// Whether all that was found stands within the bounds. Accelerations are judged with the constraints solved.

@@ -23,7 +23,7 @@ impl Run {
     }
 
     /// Largest joint position error of a completed run, rad or m.
-    pub fn joint_error(&self) -> Option<f64> {
+    pub(crate) fn joint_error(&self) -> Option<f64> {
         self.trace.accuracy.as_ref().filter(|_| self.completed()).map(|accuracy| accuracy.joint.max)
     }
 

@@ -4,7 +4,7 @@
 //! so that they can be drawn again without simulating. [`files::write`] writes the whole folder.
 
 pub mod charts;
-pub mod folder;
+pub(crate) mod folder;
 pub mod page;
 pub mod record;
 pub mod words;

@@ -19,7 +19,7 @@ use crate::mechanics::State;
 
 /// How long candidates are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub(crate) struct Effort {
     /// Rounds that count.
     pub rounds: usize,
     /// A turn lasts at least this long.
@@ -30,13 +30,13 @@ pub struct Effort {
 
 impl Effort {
     /// For the runs of a comparison.
-    pub const FULL: Effort =
+    pub(crate) const FULL: Effort =
         Effort { rounds: 5, shortest_turn: Duration::from_millis(20), longest_pass: Duration::from_millis(400) };
     /// For the many settings of a sweep.
-    pub const SWEEP: Effort =
+    pub(crate) const SWEEP: Effort =
         Effort { rounds: 5, shortest_turn: Duration::from_millis(5), longest_pass: Duration::from_millis(40) };
     /// For the few whose costs decide a rank.
-    pub const RANKING: Effort =
+    pub(crate) const RANKING: Effort =
         Effort { rounds: 60, shortest_turn: Duration::from_millis(3), longest_pass: Duration::from_millis(40) };
 
     /// Turns of a candidate, the warm-up included.
@@ -49,7 +49,7 @@ impl Effort {
 const CHUNK: u64 = 16;
 
 /// An engine to be timed over its first `steps` steps.
-pub struct Candidate<'a> {
+pub(crate) struct Candidate<'a> {
     /// A new engine at the initial state; `None` where it cannot be built.
     pub build: Box<dyn Fn() -> Option<Box<dyn Engine>> + 'a>,
     pub steps: u64,
@@ -72,7 +72,7 @@ pub struct Timing {
 
 /// Times all candidates, taking turns. An entry is `None` where a step failed; the whole is `None` where it was
 /// interrupted. `taken` counts turns, [`Effort::turns`] for each candidate.
-pub fn time(
+pub(crate) fn time(
     candidates: &[Candidate],
     effort: Effort,
     interrupted: &AtomicBool,
@@ -175,7 +175,7 @@ impl Engine for Idle {
 }
 
 /// Processor time that the loop around a step takes, s: what an engine that does nothing would be charged.
-pub fn overhead() -> Option<f64> {
+pub(crate) fn overhead() -> Option<f64> {
     let idle = Candidate { build: Box::new(|| Some(std::hint::black_box(Box::new(Idle)))), steps: 1_000_000 };
     let timings = time(&[idle], Effort::SWEEP, &AtomicBool::new(false), &AtomicU64::new(0))?;
     timings.first().copied().flatten().map(|timing| timing.median)

@@ -13,21 +13,21 @@ use crate::measure::run::Run;
 const MOST_COST: [(&str, f64); 2] = [("galerkin", 1.0), ("rattle", 4.0)];
 
 /// Times the error of `rattle` that rapier's is expected to be at least, at equal cost.
-pub const LEAST_GAIN: f64 = 1e4;
+pub(crate) const LEAST_GAIN: f64 = 1e4;
 
 /// Runs of at least this time, s, are long.
 const LONG: f64 = 100.0;
 
 /// Times the energy error of `galerkin` and `rattle` that `dop853`'s is expected to be at least over a long run, at
 /// equal cost.
-pub const LEAST_ENERGY_GAIN: f64 = 10.0;
+pub(crate) const LEAST_ENERGY_GAIN: f64 = 10.0;
 
 /// Energy errors of one engine that differ by less than this factor are taken as equal.
 const AS_GOOD: f64 = 2.0;
 
 /// A run of known cost and error.
 #[derive(Clone, Copy, Debug)]
-pub struct Known<'a> {
+pub(crate) struct Known<'a> {
     pub run: &'a Run,
     /// Processor seconds a simulated second.
     pub cost: f64,
@@ -37,7 +37,7 @@ pub struct Known<'a> {
 
 /// What the runs say about an expectation.
 #[derive(Clone, Copy, Debug)]
-pub enum Expectation<'a> {
+pub(crate) enum Expectation<'a> {
     /// For a joint position error of `target` the engine costs at most `most` times as much as `rival`; `own` is its
     /// cheapest run that reaches the target or, where none does, its most accurate.
     Cost { engine: &'static str, most: f64, target: f64, rival: Known<'a>, reached: bool, own: Known<'a> },
@@ -60,13 +60,13 @@ impl Expectation<'_> {
 }
 
 /// What the runs of a sweep say.
-pub fn expectations(runs: &[Run], reference_error: f64) -> Vec<Expectation<'_>> {
+pub(crate) fn expectations(runs: &[Run], reference_error: f64) -> Vec<Expectation<'_>> {
     let cost = MOST_COST.into_iter().filter_map(|(engine, most)| cost(runs, reference_error, engine, most));
     cost.chain(gain(runs)).collect()
 }
 
 /// What long runs say, where `dop853` was run.
-pub fn over_long_times(runs: &[Run]) -> Vec<Expectation<'_>> {
+pub(crate) fn over_long_times(runs: &[Run]) -> Vec<Expectation<'_>> {
     ["galerkin", "rattle"].into_iter().filter_map(|engine| energy(runs, engine)).collect()
 }
 

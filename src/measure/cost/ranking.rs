@@ -7,11 +7,11 @@
 use crate::measure::run::Run;
 
 /// Joint position errors that engines are ranked at, rad or m.
-pub const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
+pub(crate) const TARGETS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 
 /// Joint position errors at which the cost of an engine is held against that of another beside them; the first that can
 /// be judged is taken.
-pub const FINE_TARGETS: [f64; 2] = [1e-9, 1e-8];
+pub(crate) const FINE_TARGETS: [f64; 2] = [1e-9, 1e-8];
 
 /// Engines share a rank whose costs differ by less than this factor. Measured, on machines with other work: the ratio
 /// of two engines' costs differs from run to run by 1.5 to 2.7 % (nine pairs in ten), and by 7.5 % (`galerkin` to
@@ -23,13 +23,13 @@ const UNSURE: f64 = 1.5;
 const APART: f64 = UNSURE * UNSURE;
 
 /// Whether an error can be judged by a reference that is known to `reference_error`.
-pub fn is_judged(target: f64, reference_error: f64) -> bool {
+pub(crate) fn is_judged(target: f64, reference_error: f64) -> bool {
     target >= 3.0 * reference_error
 }
 
 /// A run that stands for its engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// Index into the runs.
     pub run: usize,
     pub reached: bool,
@@ -50,7 +50,7 @@ impl Place {
 }
 
 /// For every engine, in the order of the runs, its cheapest run that reaches the target, or the one that comes nearest.
-pub fn rank(runs: &[Run], target: f64) -> Vec<Place> {
+pub(crate) fn rank(runs: &[Run], target: f64) -> Vec<Place> {
     let mut found: Vec<Place> = engines(runs, target).into_iter().filter_map(|places| best(&places)).collect();
     share(&mut found);
     found
@@ -58,13 +58,13 @@ pub fn rank(runs: &[Run], target: f64) -> Vec<Place> {
 
 /// The targets that a reference known to `reference_error` can judge, each with its places; those that no run can be
 /// held to are left out.
-pub fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Place>)> {
+pub(crate) fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Place>)> {
     let judged = TARGETS.into_iter().filter(|target| is_judged(*target, reference_error));
     judged.map(|target| (target, rank(runs, target))).filter(|(_, places)| !places.is_empty()).collect()
 }
 
 /// The runs whose costs decide a rank, or could once they are known better.
-pub fn contested(runs: &[Run], reference_error: f64) -> Vec<usize> {
+pub(crate) fn contested(runs: &[Run], reference_error: f64) -> Vec<usize> {
     let judged = TARGETS.into_iter().chain(FINE_TARGETS).filter(|target| is_judged(*target, reference_error));
     let mut found: Vec<usize> = judged.flat_map(|target| contested_at(runs, target)).collect();
     found.sort_unstable();

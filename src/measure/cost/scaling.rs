@@ -8,7 +8,7 @@ use crate::mechanics::System;
 
 /// Engines that step systems of several sizes.
 #[derive(Debug)]
-pub struct Scaling<'a> {
+pub(crate) struct Scaling<'a> {
     pub engines: &'a [Spec],
     /// Each with its number of links.
     pub systems: &'a [(usize, System)],

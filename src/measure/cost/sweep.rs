@@ -10,10 +10,10 @@ use crate::measure::Horizon;
 use crate::measure::truth::sampling::round_below;
 
 /// Longest time that a sweep simulates, s.
-pub const LONGEST: f64 = 2.0;
+pub(crate) const LONGEST: f64 = 2.0;
 
 /// Errors are compared at so many times.
-pub const SAMPLES: u64 = 20;
+pub(crate) const SAMPLES: u64 = 20;
 
 /// An engine setting with the numbers of steps that it is run with.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ fn counts_of(spec: &Spec, quick: bool) -> &'static [u64] {
 
 /// The time that a sweep simulates, s: the largest of 1, 2, 5 times a power of ten within the scene's duration, the
 /// time that the truth is known for, and [`LONGEST`]. `None` where the truth is not known.
-pub fn span(duration: f64, trusted_until: f64) -> Option<f64> {
+pub(crate) fn span(duration: f64, trusted_until: f64) -> Option<f64> {
     let longest = duration.min(trusted_until).min(LONGEST);
     (longest > 0.0).then(|| round_below(longest))
 }

@@ -5,17 +5,17 @@ use crate::engines::Spec;
 use crate::mechanics::System;
 
 /// A run that would cost more than this is not begun, nominal s.
-pub const ALLOWANCE: f64 = 100.0;
+pub(crate) const ALLOWANCE: f64 = 100.0;
 
 /// Nominal time of a step of the reference, s: twelve mass matrices with their factors, and what the loops add.
-pub fn reference_step_seconds(system: &System) -> f64 {
+pub(crate) fn reference_step_seconds(system: &System) -> f64 {
     let freedoms: usize = system.bodies.iter().map(|body| body.joint.kind.degrees_of_freedom()).sum();
     let (n, rows) = (freedoms as f64, 6.0 * system.parts.loops.len() as f64);
     12e-6 * (0.5 * n + 0.05 * n * n + 2e-4 * n.powi(3) + 0.05 * rows * n + 2e-3 * rows.powi(3))
 }
 
 /// Nominal time of a run, s.
-pub fn seconds(engine: &Spec, bodies: usize, steps: u64) -> f64 {
+pub(crate) fn seconds(engine: &Spec, bodies: usize, steps: u64) -> f64 {
     1e-6 * engine.nominal_cost(bodies) * steps as f64
 }
 

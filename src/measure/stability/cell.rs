@@ -66,7 +66,8 @@ impl Case {
     }
 
     /// What finding the truth will cost, nominal s.
-    pub fn truth_cost(&self) -> f64 {
+    #[cfg(test)]
+    pub(super) fn truth_cost(&self) -> f64 {
         self.system.as_ref().map_or(0.0, |system| true_samples::cost(self.scan, self.value, system.bodies.len()))
     }
 

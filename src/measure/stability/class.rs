@@ -30,26 +30,26 @@ use crate::measure::outcome::Outcome;
 use crate::numeric::larger;
 
 /// Errors up to this part of their scale are accurate.
-pub const ACCURATE: f64 = 1e-3;
+pub(crate) const ACCURATE: f64 = 1e-3;
 
 /// The halves of a joint that are further apart than this part of a link, or turned by more rad, have parted.
 pub const BROKEN: f64 = 1e-2;
 
 /// A growth of the energy error that stays below this part of the energy scale does not count.
-pub const MATERIAL: f64 = 1e-4;
+pub(crate) const MATERIAL: f64 = 1e-4;
 
 /// What grows has a spread this much larger over the whole run than over its first half: a straight drift 2, a random
 /// walk 1.4 on average.
-pub const WIDER: f64 = 1.2;
+pub(crate) const WIDER: f64 = 1.2;
 
 /// An energy error beyond this part of the energy scale that stays is no bounded one.
-pub const SETTLED: f64 = 0.05;
+pub(crate) const SETTLED: f64 = 0.05;
 
 /// An energy error beyond this many energy scales is not bounded in a useful sense.
-pub const WHOLE: f64 = 1.0;
+pub(crate) const WHOLE: f64 = 1.0;
 
 /// An energy error beyond this many energy scales is a blow-up.
-pub const BLOW_UP: f64 = 10.0;
+pub(crate) const BLOW_UP: f64 = 10.0;
 
 /// What became of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, schemars::JsonSchema)]
@@ -102,7 +102,7 @@ impl Class {
 
 /// What the rules look at.
 #[derive(Clone, Debug)]
-pub struct Evidence<'a> {
+pub(crate) struct Evidence<'a> {
     /// How the run ended; `None` where it was not begun because of its cost.
     pub outcome: Option<&'a Outcome>,
     /// The signed energy error over the run.
@@ -114,7 +114,7 @@ pub struct Evidence<'a> {
 }
 
 /// Chooses the class of a cell.
-pub fn classify(evidence: &Evidence) -> Class {
+pub(crate) fn classify(evidence: &Evidence) -> Class {
     match evidence.outcome {
         None | Some(Outcome::OverBudget { .. }) => return Class::OverBudget,
         Some(Outcome::Unsupported { .. } | Outcome::NotConverged { .. }) if !already_wrong(evidence) => {

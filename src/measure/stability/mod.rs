@@ -18,4 +18,4 @@ pub use cell::{Case, Cell, Finding};
 pub use class::Class;
 pub use families::FAMILIES;
 pub use scan::{Family, Scan};
-pub use suite::{Shard, Suite};
+pub(crate) use suite::{Shard, Suite};

@@ -60,7 +60,7 @@ pub struct FineRun {
 }
 
 /// The clock of most scans.
-pub fn seconds(_value: f64) -> f64 {
+pub(crate) fn seconds(_value: f64) -> f64 {
     1.0
 }
 

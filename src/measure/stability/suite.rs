@@ -12,7 +12,7 @@ use crate::measure::threads;
 
 /// What a suite runs.
 #[derive(Debug)]
-pub struct Suite {
+pub(crate) struct Suite {
     pub families: Vec<&'static Family>,
     /// Engines of each family.
     pub engines: Vec<Vec<Spec>>,
@@ -24,13 +24,13 @@ pub struct Suite {
 
 /// One of several machines that share a suite; `index` counts from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
+pub(crate) struct Shard {
     pub index: usize,
     pub of: usize,
 }
 
 impl Shard {
-    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+    pub(crate) const WHOLE: Shard = Shard { index: 1, of: 1 };
 }
 
 impl Scan {

@@ -17,10 +17,10 @@ use crate::mechanics::{State, System};
 use crate::numeric::larger;
 
 /// Two runs that differ by less than this are taken for the truth: a tenth of what [`super::class::ACCURATE`] allows.
-pub const AGREE: f64 = 1e-4;
+pub(crate) const AGREE: f64 = 1e-4;
 
 /// The truth must be known over at least this part of a run, or nothing in the scene is called accurate.
-pub const LEAST_KNOWN: f64 = 0.25;
+pub(crate) const LEAST_KNOWN: f64 = 0.25;
 
 /// What each tolerance of the reference may cost, nominal s: stiff springs, long chains and fast spins are beyond it.
 const REFERENCE: f64 = 2.0;
@@ -124,6 +124,7 @@ fn plan(scan: &Scan, value: f64) -> Option<(Spec, u64)> {
 
 /// What the truth of a case costs, nominal s: a quarter of what the two tolerances of the reference may, which is more
 /// than the mean over all cases, and the fine runs.
+#[cfg(test)]
 pub fn cost(scan: &Scan, value: f64, bodies: usize) -> f64 {
     plan(scan, value).map_or(0.0, |(spec, steps)| 0.5 * REFERENCE + budget::seconds(&spec, bodies, 3 * steps))
 }

@@ -8,13 +8,13 @@ use crate::mechanics::{State, System};
 use crate::numeric::larger;
 
 /// The run is cut into so many parts; states are compared at the end of each.
-pub const SAMPLES: u64 = 20;
+pub(crate) const SAMPLES: u64 = 20;
 
 /// Joints are looked at after at most so many steps of a run, evenly spread.
 const LOOKS: u64 = 2000;
 
 /// An engine with what is seen of it.
-pub struct Watched<'a> {
+pub(crate) struct Watched<'a> {
     engine: Box<dyn Engine>,
     system: &'a System,
     links: LinkLengths,

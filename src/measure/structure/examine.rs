@@ -16,7 +16,7 @@ use crate::mechanics::{State, System};
 /// Steps that are examined as one map.
 pub const STEPS: usize = 8;
 /// Time into the motion at which they are examined, s: a scene that starts at rest moves by then.
-pub const EXAMINED_AT: f64 = 0.5;
+pub(crate) const EXAMINED_AT: f64 = 0.5;
 /// Step of the motion that leads there, s.
 const LEADING_STEP: f64 = 1e-3;
 

@@ -36,8 +36,8 @@ mod phase_chart;
 mod reversibility;
 mod symplecticity;
 
-pub use examine::{Defects, EXAMINED_AT, STEPS, Structure, examine, examined_state};
+pub use examine::{Defects, STEPS, Structure, examine, examined_state};
 pub use failure::{Failure, StateMap};
 pub use phase_chart::{PhaseChart, body_momenta, twists};
 pub use reversibility::reversibility;
-pub use symplecticity::{Differenced, INCREMENTS, defect_by, symplecticity};
+pub use symplecticity::{Differenced, defect_by, symplecticity};

@@ -87,7 +87,7 @@ impl<'a> PhaseChart<'a> {
     }
 
     /// The system with the given coordinates and rates as its initial ones.
-    pub fn system_at(&self, theta: &DVector<f64>, rate: &DVector<f64>) -> System {
+    pub(crate) fn system_at(&self, theta: &DVector<f64>, rate: &DVector<f64>) -> System {
         let initial_coordinates = self.joint_coordinates(theta, rate);
         let initial = forward_kinematics(&self.system.bodies, &initial_coordinates);
         System { initial, initial_coordinates, ..self.system.clone() }

@@ -17,7 +17,7 @@ pub struct Differenced {
 
 /// Increments of the differences, in rad, m, rad/s and m/s. A long one errs by its sixth power, a short one by
 /// roundoff, which single precision makes 10^9 times larger; so another pair suits each engine.
-pub const INCREMENTS: [f64; 5] = [6.4e-2, 1.6e-2, 4e-3, 1.6e-3, 6.4e-4];
+pub(crate) const INCREMENTS: [f64; 5] = [6.4e-2, 1.6e-2, 4e-3, 1.6e-3, 6.4e-4];
 
 /// Symplecticity defect of a map at a state, with the coordinates moved back by `lag` s. Of all neighbouring increments
 /// the pair is taken that agrees best, and the defect is that of its shorter one.

@@ -7,9 +7,9 @@ pub(crate) mod orders;
 pub(crate) mod small_steps;
 mod topic;
 
-pub use topic::{Computed, Conserved, ProblemOrders, ProblemSteps, Topic};
+pub(crate) use topic::{Computed, Conserved, ProblemOrders, ProblemSteps, Topic};
 
 /// All topics, in the order of the page. A new one is a file, a line here, a kind of [`Computed`] with its record, and
 /// a section of the page.
-pub const TOPICS: [Topic; 5] =
+pub(crate) const TOPICS: [Topic; 5] =
     [orders::TOPIC, energy::FIGURE_1, energy::FIGURE_2, long_time::TOPIC, small_steps::TOPIC];

@@ -8,7 +8,7 @@ use crate::discrete::solve::SolveError;
 use crate::discrete::tangent::SmallStep;
 
 /// Something that the theory says and that is computed here.
-pub struct Topic {
+pub(crate) struct Topic {
     pub name: &'static str,
     pub summary: &'static str,
     /// Units of work that `compute` counts.
@@ -17,7 +17,7 @@ pub struct Topic {
 }
 
 /// What a topic computes.
-pub enum Computed {
+pub(crate) enum Computed {
     Orders(Vec<ProblemOrders>),
     Energy(EnergyFigure),
     LongTime(Vec<Conserved>),
@@ -25,19 +25,19 @@ pub enum Computed {
 }
 
 /// What one method conserves.
-pub struct Conserved {
+pub(crate) struct Conserved {
     pub row: LongTimeRow,
     pub variational: bool,
 }
 
 /// All methods on one problem, but for those that cannot be used there.
-pub struct ProblemOrders {
+pub(crate) struct ProblemOrders {
     pub problem: &'static str,
     pub methods: Vec<OrderRow>,
 }
 
 /// Errors on one problem, step by step.
-pub struct ProblemSteps {
+pub(crate) struct ProblemSteps {
     pub problem: &'static str,
     pub steps: Vec<SmallStep>,
 }

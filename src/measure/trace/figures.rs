@@ -7,15 +7,15 @@ use crate::measure::truth::accuracy::Accuracy;
 use crate::mechanics::{State, System, constraint, energy};
 
 /// What the series of a trace holds, by index.
-pub const ENERGY: usize = 0;
+pub(crate) const ENERGY: usize = 0;
 
-pub const CORRECTED_ENERGY: usize = 1;
+pub(crate) const CORRECTED_ENERGY: usize = 1;
 
-pub const POSITION: usize = 2;
+pub(crate) const POSITION: usize = 2;
 
-pub const VELOCITY: usize = 3;
+pub(crate) const VELOCITY: usize = 3;
 
-pub const QUANTITIES: usize = 4;
+pub(crate) const QUANTITIES: usize = 4;
 
 /// The figures of a run; what could not be had is `None` or empty.
 #[derive(Clone, Debug)]

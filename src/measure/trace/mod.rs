@@ -8,5 +8,6 @@ pub mod series;
 pub mod turn_per_step;
 mod work;
 
-pub use figures::*;
+pub(crate) use figures::{CORRECTED_ENERGY, ENERGY, POSITION, QUANTITIES, VELOCITY};
+pub use figures::{EnergyError, MomentumError, StartDifference, Trace};
 pub use follow::{trace, trace_against};

@@ -1,7 +1,7 @@
 //! A long run in few numbers: consecutive steps are gathered in blocks that keep extremes and mean.
 
 /// At most this many blocks make up a run.
-pub const MAX_BLOCKS: u64 = 400;
+pub(crate) const MAX_BLOCKS: u64 = 400;
 
 /// What is known of one quantity over a block of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Extent {
     }
 
     /// Half of the range.
-    pub fn half_width(self) -> f64 {
+    pub(crate) fn half_width(self) -> f64 {
         0.5 * (self.max - self.min)
     }
 

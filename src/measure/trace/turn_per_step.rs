@@ -7,7 +7,7 @@ use crate::mechanics::{State, System};
 
 /// A body that turns further than this in a step, rad, is beyond what the energy bounds of fixed-step methods are for:
 /// they need `h omega` below about 1 for every frequency, and that of a body that turns is felt several times over.
-pub const FAR_TURN: f64 = 0.3;
+pub(crate) const FAR_TURN: f64 = 0.3;
 
 /// The largest turn of a body in a step so far: by its angular velocity, `h |Omega|`, and by the attitudes before and
 /// after.
@@ -15,7 +15,7 @@ pub const FAR_TURN: f64 = 0.3;
 /// Every command that runs an engine warns by [`TurnPerStep::warning`]. Engines that choose steps of their own are not
 /// warned of turns.
 #[derive(Clone, Debug)]
-pub struct TurnPerStep {
+pub(crate) struct TurnPerStep {
     /// Step of the run, s.
     step: f64,
     before: Vec<UnitQuaternion<f64>>,

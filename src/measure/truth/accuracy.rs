@@ -37,7 +37,7 @@ pub struct Spread {
 
 /// Follows a run and compares it with the truth wherever the two have a time in common.
 #[derive(Debug)]
-pub struct Follower<'a> {
+pub(crate) struct Follower<'a> {
     system: &'a System,
     truth: &'a Truth,
     /// The next sample of the truth.

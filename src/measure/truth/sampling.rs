@@ -6,12 +6,12 @@ use crate::measure::Horizon;
 const SAMPLES: f64 = 200.0;
 
 /// A round interval, s, which about `SAMPLES` of make up a duration.
-pub fn sampling_interval(duration: f64) -> f64 {
+pub(crate) fn sampling_interval(duration: f64) -> f64 {
     round_below(duration / SAMPLES)
 }
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `x`.
-pub fn round_below(x: f64) -> f64 {
+pub(crate) fn round_below(x: f64) -> f64 {
     let power = 10f64.powf((x.log10() + 1e-9).floor());
     let mantissa = [5.0, 2.0, 1.0].into_iter().find(|m| m * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
     format!("{:e}", mantissa * power).parse().unwrap_or(mantissa * power)
@@ -19,7 +19,7 @@ pub fn round_below(x: f64) -> f64 {
 
 /// The times to know the truth at, rising: multiples of the sampling interval up to the longest horizon, and for each
 /// horizon the times nearest to these that it has.
-pub fn sampling_times(horizons: &[Horizon]) -> Vec<f64> {
+pub(crate) fn sampling_times(horizons: &[Horizon]) -> Vec<f64> {
     let end = horizons.iter().map(|h| h.end).fold(0.0, f64::max);
     if !(end > 0.0) {
         return Vec::new();

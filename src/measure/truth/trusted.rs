@@ -9,7 +9,7 @@ use crate::mechanics::{State, System};
 use crate::numeric::larger;
 
 /// The relative error up to which the truth is trusted: of lengths over the reach of the system, and rad.
-pub const TRUSTED: f64 = 1e-8;
+pub(crate) const TRUSTED: f64 = 1e-8;
 
 /// The true states at some times, as far as they can be trusted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Truth {
 
 /// States at the first of some given times, at all of them unless the trajectory could not be continued; `None` at a
 /// time that it was not evaluated at.
-pub type Trajectory = Vec<Option<State>>;
+pub(crate) type Trajectory = Vec<Option<State>>;
 
 impl Truth {
     /// Judges `states` by their disagreement with each of `others`, which all have the same `times`, and keeps what can
@@ -66,7 +66,7 @@ impl Truth {
     }
 
     /// The truth at multiples of `interval` (s) up to `end` (s).
-    pub fn at_multiples(&self, interval: f64, end: f64) -> Truth {
+    pub(crate) fn at_multiples(&self, interval: f64, end: f64) -> Truth {
         let near = 1e-6 * interval;
         let wanted = |t: f64| t <= end + near && (t - interval * (t / interval).round()).abs() <= near;
         let chosen: Vec<usize> = (0..self.times.len()).filter(|&k| wanted(self.times[k])).collect();

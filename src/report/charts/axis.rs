@@ -8,7 +8,7 @@ use crate::report::words::number::{plain, power_of_ten};
 
 /// One axis of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Axis {
+pub(crate) enum Axis {
     Linear {
         from: f64,
         to: f64,
@@ -48,7 +48,7 @@ impl Axis {
     }
 
     /// The nearest value that the axis has.
-    pub fn clamped(self, value: f64) -> f64 {
+    pub(crate) fn clamped(self, value: f64) -> f64 {
         let Range { start, end } = self.range();
         value.clamp(start, end)
     }

@@ -12,7 +12,7 @@ use crate::report::words::number::duration;
 
 /// What the chart tells beside the run.
 #[derive(Debug)]
-pub struct Broken<'a> {
+pub(crate) struct Broken<'a> {
     pub scene: &'a str,
     pub metric: &'a str,
     pub unit: &'a str,
@@ -35,7 +35,7 @@ const BOUND: Look = Look { colour: VERMILLION, marker: Marker::Diamond };
 ///
 /// # Errors
 /// A canvas that cannot be drawn on.
-pub fn draw(run: &Run, broken: &Broken) -> Result<Vec<u8>, ChartError> {
+pub(crate) fn draw(run: &Run, broken: &Broken) -> Result<Vec<u8>, ChartError> {
     let curve = curve(run, broken);
     let end = run.duration_s;
     let levels: Vec<Vec<(f64, f64)>> = guides(run, broken, &curve);

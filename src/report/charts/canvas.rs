@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use super::style::{HEIGHT, SCALE, WIDTH};
 
 /// What charts draw on.
-pub type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
+pub(crate) type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 /// Why a chart could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -28,12 +28,12 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Chart
 }
 
 /// Draws on a white canvas of [`WIDTH`] x [`HEIGHT`] and encodes it.
-pub fn render(draw: impl FnOnce(&Area) -> Result<(), ChartError>) -> Result<Vec<u8>, ChartError> {
+pub(crate) fn render(draw: impl FnOnce(&Area) -> Result<(), ChartError>) -> Result<Vec<u8>, ChartError> {
     render_of_height(HEIGHT, draw)
 }
 
 /// Draws on a white canvas of [`WIDTH`] and a height of its own, for charts with a line for each of many things.
-pub fn render_of_height(
+pub(crate) fn render_of_height(
     pixels_high: u32,
     draw: impl FnOnce(&Area) -> Result<(), ChartError>,
 ) -> Result<Vec<u8>, ChartError> {

@@ -5,7 +5,7 @@ use super::canvas::ChartError;
 use super::time_panels::{self, Subject};
 use crate::report::record::report::Report;
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "constraint_violation.png",
     caption: "Joint position error against time for every engine, at a coarse, a middle and a fine step",
     draw,

@@ -12,7 +12,7 @@ use crate::report::record::run::Run;
 use crate::report::record::sweep::{Convergence, Sweep};
 use crate::report::words::number::{plain, short};
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "convergence.png",
     caption: "Joint position error against step size for every engine of fixed steps, with the fitted order or the \
               floor at each line",

@@ -9,7 +9,7 @@ use crate::report::words::number::{duration, plain};
 
 pub const FILE: &str = "cost.png";
 
-pub const CAPTION: &str = "CPU time a step against the number of links for every engine";
+pub(crate) const CAPTION: &str = "CPU time a step against the number of links for every engine";
 
 pub fn draw(cost: &Cost) -> Result<Option<Vec<u8>>, ChartError> {
     let Some(x) = Axis::around(cost.points.iter().map(|p| p.links as f64)) else { return Ok(None) };

@@ -6,7 +6,7 @@ use super::time_panels::{self, Subject};
 use crate::report::record::report::Report;
 use crate::report::words::number::written;
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "energy_drift.png",
     caption: "Energy error against time for every engine, at a coarse, a middle and a fine step",
     draw,

@@ -9,7 +9,7 @@ use crate::report::record::report::Report;
 use crate::report::record::run::{Outcome, Run};
 use crate::report::words::number::duration;
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "error_vs_run_time.png",
     caption: "Energy error and joint error against processor time for every engine, one marker a step size; lower left \
               is better",

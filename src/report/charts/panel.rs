@@ -7,7 +7,7 @@ use super::canvas::{Area, ChartError};
 use super::style::{self, FAINT, GRID, INK, Look, Marker, at, px};
 
 /// A panel that can be drawn into.
-pub struct Panel<'a, 'b> {
+pub(crate) struct Panel<'a, 'b> {
     context: ChartContext<'a, BitMapBackend<'b>, Cartesian2d<Axis, Axis>>,
     x: Axis,
     y: Axis,
@@ -30,7 +30,7 @@ const WORDS: usize = 20;
 const TOO_MUCH: usize = 2 * MARKER;
 
 /// Words that belong to a point.
-pub struct Label {
+pub(crate) struct Label {
     pub point: (f64, f64),
     pub words: String,
     pub look: Look,
@@ -112,7 +112,7 @@ impl<'a, 'b> Panel<'a, 'b> {
 
     /// Small words beside points, each where it covers least of the points, and of the lines through them. Words that
     /// would cover two markers or other words are left out.
-    pub fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
+    pub(crate) fn labels(&self, labels: &[Label], lines: &[Vec<(f64, f64)>]) -> Result<(), ChartError> {
         let mut covered: Vec<Span> = Vec::new();
         for line in lines {
             let pixels: Vec<(i32, i32)> = line.iter().map(|p| self.local(*p).0).collect();
@@ -149,7 +149,7 @@ impl<'a, 'b> Panel<'a, 'b> {
 }
 
 /// A marker with a white rim, or white with a coloured rim.
-pub fn draw_marker(area: &Area, (x, y): (i32, i32), look: Look, hollow: bool) -> Result<(), ChartError> {
+pub(crate) fn draw_marker(area: &Area, (x, y): (i32, i32), look: Look, hollow: bool) -> Result<(), ChartError> {
     let layers: &[(i32, RGBColor)] =
         if hollow { &[(8, look.colour), (5, WHITE)] } else { &[(10, WHITE), (8, look.colour)] };
     for (radius, colour) in layers {

@@ -9,7 +9,7 @@ use crate::report::record::report::Report;
 use crate::report::record::run::Run;
 use crate::report::words::number::duration;
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "structure.png",
     caption: "How far a few steps of every engine are from symplectic and from reversible, against the step size",
     draw,

@@ -9,25 +9,25 @@ pub(crate) use crate::engines::Marker;
 
 /// Size of a finished chart, pixels.
 pub const WIDTH: u32 = 1200;
-pub const HEIGHT: u32 = 760;
+pub(crate) const HEIGHT: u32 = 760;
 
 /// Charts are drawn this many times larger.
-pub const SCALE: u32 = 3;
+pub(crate) const SCALE: u32 = 3;
 
 /// Font sizes, in pixels of the finished chart; two thirds of that at the width of a README.
-pub const TITLE: u32 = 30;
-pub const HEADING: u32 = 24;
-pub const LABEL: u32 = 22;
-pub const TICK: u32 = 21;
-pub const NOTE: u32 = 19;
+pub(crate) const TITLE: u32 = 30;
+pub(crate) const HEADING: u32 = 24;
+pub(crate) const LABEL: u32 = 22;
+pub(crate) const TICK: u32 = 21;
+pub(crate) const NOTE: u32 = 19;
 
-pub const INK: RGBColor = RGBColor(30, 30, 30);
-pub const GREY: RGBColor = RGBColor(95, 95, 95);
-pub const GRID: RGBColor = RGBColor(222, 222, 222);
-pub const FAINT: RGBColor = RGBColor(241, 241, 241);
+pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
+pub(crate) const GREY: RGBColor = RGBColor(95, 95, 95);
+pub(crate) const GRID: RGBColor = RGBColor(222, 222, 222);
+pub(crate) const FAINT: RGBColor = RGBColor(241, 241, 241);
 
 /// Pixels of the canvas for pixels of the finished chart.
-pub fn px(pixels: u32) -> u32 {
+pub(crate) fn px(pixels: u32) -> u32 {
     pixels * SCALE
 }
 
@@ -37,30 +37,30 @@ pub fn at(pixels: u32) -> i32 {
 }
 
 /// Text of a size and colour.
-pub fn font(size: u32, colour: RGBColor) -> TextStyle<'static> {
+pub(crate) fn font(size: u32, colour: RGBColor) -> TextStyle<'static> {
     FontDesc::new(FontFamily::SansSerif, f64::from(px(size)), FontStyle::Normal).color(&colour)
 }
 
 /// Bold text.
-pub fn bold(size: u32, colour: RGBColor) -> TextStyle<'static> {
+pub(crate) fn bold(size: u32, colour: RGBColor) -> TextStyle<'static> {
     FontDesc::new(FontFamily::SansSerif, f64::from(px(size)), FontStyle::Bold).color(&colour)
 }
 
 /// How an engine looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub(crate) struct Look {
     pub colour: RGBColor,
     pub marker: Marker,
 }
 
 // The palette of Okabe and Ito, without its yellow, which is too pale on white.
-pub const BLUE: RGBColor = RGBColor(0, 114, 178);
-pub const SKY: RGBColor = RGBColor(86, 180, 233);
-pub const GREEN: RGBColor = RGBColor(0, 158, 115);
-pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
-pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
-pub const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
+pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
 
 // More for when those are taken.
 const BROWN: RGBColor = RGBColor(122, 62, 16);
@@ -96,12 +96,12 @@ const MARKERS: [Marker; 5] = [Marker::TriangleDown, Marker::Diamond, Marker::Tri
 
 /// The engines of a report in its order, each with its look; no two look the same while there are fewer than twenty of
 /// a family.
-pub fn looks(report: &Report) -> Vec<(&str, Look)> {
+pub(crate) fn looks(report: &Report) -> Vec<(&str, Look)> {
     looks_of(report.runs.iter().map(|run| run.engine.as_str()))
 }
 
 /// The same for any names, each once.
-pub fn looks_of<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, Look)> {
+pub(crate) fn looks_of<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(&'a str, Look)> {
     let mut engines: Vec<&str> = Vec::new();
     for name in names {
         if !engines.contains(&name) {

@@ -14,10 +14,10 @@ const FLOOR: i32 = -18;
 
 /// A run is drawn by its largest value in each of so many intervals of equal length. An error that swings through zero
 /// would fill a logarithmic axis with spikes that say nothing.
-pub const INTERVALS: usize = 40;
+pub(crate) const INTERVALS: usize = 40;
 
 /// What is drawn.
-pub struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     pub title: String,
     pub subtitle: String,
     pub y: &'a str,
@@ -88,7 +88,7 @@ fn curve(panel: &Panel, run: &Run, look: style::Look, subject: &Subject, turn: u
 }
 
 /// The largest value in each interval of the run, at the middle of the times that it is from.
-pub fn largest_in_intervals(times: &[f64], values: &[f64], duration: f64) -> Vec<(f64, f64)> {
+pub(crate) fn largest_in_intervals(times: &[f64], values: &[f64], duration: f64) -> Vec<(f64, f64)> {
     let interval = |time: f64| (time / duration * INTERVALS as f64) as usize;
     let samples: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
     samples

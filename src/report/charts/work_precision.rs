@@ -12,7 +12,7 @@ use crate::report::record::report::Report;
 use crate::report::record::run::{Run, family};
 use crate::report::words::number::{duration, plain};
 
-pub const CHART: Chart = Chart {
+pub(crate) const CHART: Chart = Chart {
     file: "work_precision.png",
     caption: "Joint position error against processor time for every setting that was tried; lines join the settings of \
               an engine that no other of its settings beats; lower left is better",

@@ -17,7 +17,7 @@ const CELLS: &str = "cells.jsonl";
 
 /// Why the cells of a folder cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum StoreError {
+pub(crate) enum StoreError {
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{}: cannot be read: {error}", path.display())]
@@ -31,7 +31,7 @@ pub enum StoreError {
 
 /// The file that grows with every finished cell.
 #[derive(Debug)]
-pub struct Store {
+pub(crate) struct Store {
     path: PathBuf,
     file: Mutex<File>,
 }
@@ -41,7 +41,7 @@ impl Store {
     ///
     /// # Errors
     /// A folder that cannot be read or written, or that holds another suite.
-    pub fn open(
+    pub(crate) fn open(
         folder: &Path,
         suite: &SuiteRecord,
         resume: bool,
@@ -64,7 +64,7 @@ impl Store {
     ///
     /// # Errors
     /// A disk that is full or gone.
-    pub fn add(&self, cell: &StoredCell) -> Result<(), StoreError> {
+    pub(crate) fn add(&self, cell: &StoredCell) -> Result<(), StoreError> {
         let line = line(cell).map_err(|e| json(&self.path, e))?;
         let failed = |error| WriteError::File { path: self.path.clone(), error };
         let mut file = self.file.lock().map_err(|e| failed(io::Error::other(e.to_string())))?;
@@ -77,7 +77,10 @@ impl Store {
 ///
 /// # Errors
 /// Files that are missing or are not what a suite leaves; another suite than the one expected.
-pub fn read(folder: &Path, expected: Option<&SuiteRecord>) -> Result<(SuiteRecord, Vec<StoredCell>), StoreError> {
+pub(crate) fn read(
+    folder: &Path,
+    expected: Option<&SuiteRecord>,
+) -> Result<(SuiteRecord, Vec<StoredCell>), StoreError> {
     let text =
         |path: &Path| fs::read_to_string(path).map_err(|error| StoreError::Read { path: path.to_path_buf(), error });
     let (head, path) = (folder.join(SUITE), folder.join(CELLS));

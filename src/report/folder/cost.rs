@@ -11,7 +11,7 @@ use crate::report::record::cost::Cost;
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written.
-pub fn write(cost: &Cost, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn write(cost: &Cost, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     write_whole(&folder.join("cost.json"), (serde_json::to_string(cost)? + "\n").as_bytes())?;
     draw(cost, folder)
@@ -21,7 +21,7 @@ pub fn write(cost: &Cost, folder: &Path) -> Result<PathBuf, WriteError> {
 ///
 /// # Errors
 /// As for [`write`].
-pub fn draw(cost: &Cost, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn draw(cost: &Cost, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     let mut pictures = Vec::new();
     if let Some(png) = chart::draw(cost)? {

@@ -10,7 +10,7 @@ use crate::report::charts::ChartError;
 
 /// Why a file or folder could not be written.
 #[derive(Debug, thiserror::Error)]
-pub enum WriteError {
+pub(crate) enum WriteError {
     #[error("{}: cannot be written: {error}", path.display())]
     File { path: PathBuf, error: io::Error },
     #[error("{}: the folder cannot be made: {error}", path.display())]
@@ -27,7 +27,7 @@ pub enum WriteError {
 ///
 /// # Errors
 /// A folder that cannot be made or written to.
-pub fn prepare(folder: &Path) -> Result<(), WriteError> {
+pub(crate) fn prepare(folder: &Path) -> Result<(), WriteError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     fs::create_dir_all(folder).map_err(|error| WriteError::Folder { path: folder.to_path_buf(), error })?;
     tempfile::NamedTempFile::new_in(folder)
@@ -39,7 +39,7 @@ pub fn prepare(folder: &Path) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// A folder that cannot be made or written to.
-pub fn prepare_for(file: &Path) -> Result<(), WriteError> {
+pub(crate) fn prepare_for(file: &Path) -> Result<(), WriteError> {
     match fs::metadata(file) {
         Ok(there) if !there.is_file() && !there.is_dir() => Ok(()),
         _ => prepare(file.parent().unwrap_or(Path::new(""))),
@@ -50,7 +50,7 @@ pub fn prepare_for(file: &Path) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// The file cannot be made, written or renamed.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let written = || -> io::Result<()> {
         let mut file = WholeFile::create(path)?;
         file.write_all(bytes)?;
@@ -61,7 +61,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 /// A file that gets its name when it is closed, so that it is never seen half written. What is no regular file (a
 /// device, a pipe) has no name to get: it is written as it stands.
-pub struct WholeFile {
+pub(crate) struct WholeFile {
     file: File,
     /// The temporary file and the name it will have.
     named: Option<(TempPath, PathBuf)>,
@@ -72,7 +72,7 @@ impl WholeFile {
     ///
     /// # Errors
     /// The path is a folder; its folder is not there or not writable.
-    pub fn create(path: &Path) -> io::Result<WholeFile> {
+    pub(crate) fn create(path: &Path) -> io::Result<WholeFile> {
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         match fs::metadata(&path) {
             Ok(there) if there.is_dir() => return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")),
@@ -91,7 +91,7 @@ impl WholeFile {
 
     /// # Errors
     /// The file cannot be renamed.
-    pub fn close(self) -> io::Result<()> {
+    pub(crate) fn close(self) -> io::Result<()> {
         match self.named {
             Some((temporary, path)) => temporary.persist(path).map_err(|e| e.error),
             None => Ok(()),

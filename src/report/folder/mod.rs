@@ -1,8 +1,8 @@
 //! Folders of records, charts and pages. Files are written whole or not at all.
 
-pub mod cells;
-pub mod cost;
-pub mod files;
-pub mod report;
-pub mod stability;
-pub mod theory;
+pub(crate) mod cells;
+pub(crate) mod cost;
+pub(crate) mod files;
+pub(crate) mod report;
+pub(crate) mod stability;
+pub(crate) mod theory;

@@ -12,7 +12,7 @@ use crate::report::page::{self, document::Picture};
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written.
-pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn write(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     write_whole(&folder.join("report.json"), report.to_json()?.as_bytes())?;
     draw(report, folder)
@@ -23,7 +23,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written.
-pub fn draw(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn draw(report: &Report, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     let mut pictures = Vec::new();
     for chart in &CHARTS {

@@ -13,7 +13,7 @@ use crate::report::record::stability::StabilityReport;
 ///
 /// # Errors
 /// A map that cannot be drawn, a file that cannot be written.
-pub fn write(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn write(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     write_whole(&folder.join("stability.json"), report.to_json()?.as_bytes())?;
     draw(report, folder)
@@ -23,7 +23,7 @@ pub fn write(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteEr
 ///
 /// # Errors
 /// A map that cannot be drawn, a file that cannot be written.
-pub fn draw(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteError> {
+pub(crate) fn draw(report: &StabilityReport, folder: &Path) -> Result<PathBuf, WriteError> {
     prepare(folder)?;
     let mut pictures = Vec::new();
     for family in &report.results {

@@ -15,7 +15,7 @@ use crate::report::record::theory::{Data, FILE_SCHEMA, TheoryFile};
 
 /// Why the folder of the theory could not be read or written.
 #[derive(Debug, thiserror::Error)]
-pub enum TheoryError {
+pub(crate) enum TheoryError {
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{path}: cannot be read: {error}", path = path.display())]
@@ -59,7 +59,7 @@ fn file_of(topic: &Topic, data: Data, command: &str) -> Result<TheoryFile, Chart
 ///
 /// # Errors
 /// A file that cannot be read, is not of `theory`, or holds the data of another topic than it says.
-pub fn read(path: &Path) -> Result<TheoryFile, TheoryError> {
+pub(crate) fn read(path: &Path) -> Result<TheoryFile, TheoryError> {
     let text = fs::read_to_string(path).map_err(|error| TheoryError::Read { path: path.to_path_buf(), error })?;
     let json = |error| TheoryError::Json { path: path.to_path_buf(), error };
     let head: Head = serde_json::from_str(&text).map_err(json)?;
@@ -84,7 +84,7 @@ struct Head {
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written, a file of an earlier run that cannot be read.
-pub fn write(
+pub(crate) fn write(
     topics: Vec<(&Topic, Data)>,
     command: &str,
     folder: &Path,
@@ -108,7 +108,7 @@ fn json_path(folder: &Path, topic: &str) -> PathBuf {
 ///
 /// # Errors
 /// Those of [`read`] and [`draw`].
-pub fn draw_folder(folder: &Path) -> Result<PathBuf, TheoryError> {
+pub(crate) fn draw_folder(folder: &Path) -> Result<PathBuf, TheoryError> {
     let paths = TOPICS.iter().map(|topic| json_path(folder, topic.name)).filter(|path| path.exists());
     let files = paths.map(|path| read(&path)).collect::<Result<Vec<_>, _>>()?;
     draw(&files, folder)
@@ -119,7 +119,7 @@ pub fn draw_folder(folder: &Path) -> Result<PathBuf, TheoryError> {
 ///
 /// # Errors
 /// A chart that cannot be drawn, a file that cannot be written.
-pub fn draw(files: &[TheoryFile], folder: &Path) -> Result<PathBuf, TheoryError> {
+pub(crate) fn draw(files: &[TheoryFile], folder: &Path) -> Result<PathBuf, TheoryError> {
     prepare(folder)?;
     let place = |file: &TheoryFile| TOPICS.iter().position(|topic| topic.name == file.topic);
     let mut files: Vec<&TheoryFile> = files.iter().collect();

@@ -7,7 +7,7 @@ use super::environment::{self, Machine, Versions};
 use crate::measure::cost::scaling::Point;
 
 /// Name and version of `cost.json`.
-pub const SCHEMA: &str = "rattlebench/cost/1";
+pub(crate) const SCHEMA: &str = "rattlebench/cost/1";
 
 /// Processor time a step of several engines on chains of several lengths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -177,7 +177,7 @@ pub const METRICS: [Metric; 26] = [
 /// The figure that is a word: the number of its value is the place in [`Verdict::ALL`].
 ///
 /// [`Verdict::ALL`]: crate::measure::growth::Verdict::ALL
-pub const VERDICT: &str = "energy.verdict";
+pub(crate) const VERDICT: &str = "energy.verdict";
 
 /// The figure that belongs to two runs.
-pub const TIME_RATIO: &str = "time.us_per_step_ratio";
+pub(crate) const TIME_RATIO: &str = "time.us_per_step_ratio";

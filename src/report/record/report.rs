@@ -16,7 +16,7 @@ use crate::mechanics::System;
 use crate::model::Scene;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "rattlebench/report/1";
+pub(crate) const SCHEMA: &str = "rattlebench/report/1";
 
 /// A comparison of engines on one scene. Everything but `machine` and what is measured by the clock (`timing`, the
 /// `time` of each run, the `targets` of the sweep) is the same, byte for byte, whenever the same program compares the

@@ -63,7 +63,7 @@ pub fn family(engine: &str) -> &str {
 
 impl Run {
     /// Largest joint position error of a completed run, rad or m.
-    pub fn joint_error(&self) -> Option<f64> {
+    pub(crate) fn joint_error(&self) -> Option<f64> {
         self.accuracy.as_ref().filter(|_| self.outcome == Outcome::Completed).map(|a| a.max_joint_error)
     }
 

@@ -10,7 +10,7 @@ use crate::engines::{Role, Spec, line_up};
 use crate::measure::stability::{Cell, Class, FAMILIES, Family, Finding};
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "rattlebench/stability/1";
+pub(crate) const SCHEMA: &str = "rattlebench/stability/1";
 
 /// What a suite is: results of two suites go together only where these are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -30,7 +30,7 @@ pub fn sentence(scan: &ScanRecord, engine: &str) -> String {
 }
 
 /// A step in words, in seconds or in the scan's own unit.
-pub fn step_words(step: f64, clock: &str) -> String {
+pub(crate) fn step_words(step: f64, clock: &str) -> String {
     if clock.is_empty() { duration(step) } else { format!("{} {clock}", plain(step, 3)) }
 }
 

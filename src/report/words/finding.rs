@@ -6,7 +6,7 @@ use crate::report::record::run::{Energy, Outcome, Run};
 
 /// The step size, s, that a comparison in one sentence is made at: the one nearest to 1 ms at which the most engines
 /// completed their run.
-pub fn common_step(report: &Report) -> Option<f64> {
+pub(crate) fn common_step(report: &Report) -> Option<f64> {
     let completed =
         |step: f64| report.runs.iter().filter(|r| r.step_s == step && completed_energy(r).is_some()).count();
     let far = |step: f64| (step / 1e-3).ln().abs();

@@ -6,7 +6,7 @@ pub fn short(x: f64) -> String {
 }
 
 /// `10⁻⁶`
-pub fn power_of_ten(exponent: i32) -> String {
+pub(crate) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", superscript(exponent))
 }
 
@@ -26,7 +26,7 @@ pub fn written(x: f64) -> String {
 }
 
 /// A value of a parameter in few letters: `10⁻⁷`, `3`, `−π`, `0.05`.
-pub fn compact(value: f64) -> String {
+pub(crate) fn compact(value: f64) -> String {
     let (size, sign) = (value.abs(), if value < 0.0 { "−" } else { "" });
     if (size - std::f64::consts::PI).abs() < 1e-12 {
         return format!("{sign}π");
@@ -62,7 +62,7 @@ pub fn plain(x: f64, digits: usize) -> String {
 }
 
 /// Two decimals; no zero has a sign.
-pub fn two_decimals(x: f64) -> String {
+pub(crate) fn two_decimals(x: f64) -> String {
     let text = format!("{x:.2}");
     if text == "-0.00" { "0.00".to_string() } else { text }
 }

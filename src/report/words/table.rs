@@ -155,7 +155,7 @@ pub fn columns(report: &Report) -> Vec<&'static Column> {
 }
 
 /// The columns of the structure of a few steps; empty where it was not examined.
-pub fn structure_columns(report: &Report) -> Vec<&'static Column> {
+pub(crate) fn structure_columns(report: &Report) -> Vec<&'static Column> {
     if report.runs.iter().any(|run| run.structure.is_some()) { used(&STRUCTURE, report) } else { Vec::new() }
 }
 
@@ -169,7 +169,7 @@ pub fn text(report: &Report) -> String {
 }
 
 /// Why runs did not complete, a line each; the steps of an engine that end in the same words share one.
-pub fn endings(report: &Report) -> String {
+pub(crate) fn endings(report: &Report) -> String {
     let mut found: Vec<(&str, &str, Vec<String>)> = Vec::new();
     for run in &report.runs {
         let Some(detail) = run.outcome_detail.as_deref() else { continue };

@@ -24,7 +24,7 @@ pub fn section(data: &Data, topic: &str) -> Result<Section, ChartError> {
     }
 }
 
-pub fn markdown(section: &Section) -> String {
+pub(crate) fn markdown(section: &Section) -> String {
     let mut text = format!("# {}\n\n{}\n\n{}\n", section.title, section.finding, section.explanation);
     for table in &section.tables {
         text += "\n";

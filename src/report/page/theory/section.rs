@@ -5,7 +5,7 @@ use crate::report::page::document::Picture;
 
 /// What a topic has to tell.
 #[derive(Debug)]
-pub struct Section {
+pub(crate) struct Section {
     pub title: &'static str,
     /// One sentence with figures.
     pub finding: String,

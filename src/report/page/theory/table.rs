@@ -4,14 +4,14 @@ use maud::{Markup, html};
 
 /// A heading for each column, and rows of as many cells. The first column holds names, the others numbers.
 #[derive(Debug)]
-pub struct Table {
+pub(crate) struct Table {
     pub caption: String,
     pub headings: Vec<&'static str>,
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let line = |cells: &mut dyn Iterator<Item = &str>| format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "));
         let mut text = format!("{}\n\n", self.caption);
         text += &line(&mut self.headings.iter().copied());

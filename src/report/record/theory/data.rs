@@ -11,7 +11,7 @@ use crate::measure::theory::{Computed, energy, long_time, orders, small_steps};
 use crate::report::record::environment::Versions;
 
 /// Name and version of the JSON files.
-pub const FILE_SCHEMA: &str = "rattlebench/theory/1";
+pub(crate) const FILE_SCHEMA: &str = "rattlebench/theory/1";
 
 /// One topic as JSON. It holds no timing and is the same whenever the same program writes it by the same command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

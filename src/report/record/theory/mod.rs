@@ -6,4 +6,5 @@ pub mod long_time;
 pub mod orders;
 pub mod small_steps;
 
-pub use data::{Data, FILE_SCHEMA, TheoryFile};
+pub(crate) use data::FILE_SCHEMA;
+pub use data::{Data, TheoryFile};

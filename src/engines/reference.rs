@@ -7,8 +7,8 @@
 //! each accepted step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its
 //! error estimate.
 //!
-//! The integration allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is for
-//! accuracy and is no rival in speed. `dop853` is.
+//! The integration allocates in its steps, and the cost grows with the cube of the degrees of freedom: this engine is
+//! for accuracy and is no rival in speed. `dop853` is.
 
 use super::dormand_prince::integrator::{Integrator, TooSmall};
 use super::engine::{Engine, StepFailure, Unsupported};
@@ -227,7 +227,8 @@ impl Integration {
             if rest <= 4.0 * f64::EPSILON * time {
                 return Ok(());
             }
-            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the next.
+            // A step that would leave a short rest is halved, and the rest of a time asked for does not shorten the
+            // next.
             let natural = self.integrator.step;
             let shortened = natural > 0.5 * rest;
             if shortened {

@@ -1,6 +1,6 @@
 //! Adaptive integration of `dy/dt = f(t, y)`: stages, estimate of the error, control of the step and the first step of
-//! DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed. 1993, sections II.4 and II.10).
-//! No dense output, no test of stiffness.
+//! DOP853 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed. 1993, sections II.4 and
+//! II.10). No dense output, no test of stiffness.
 
 use super::tableau::{A, B, C, LESS_FIFTH, STAGES, THIRD};
 

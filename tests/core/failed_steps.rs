@@ -119,10 +119,11 @@ fn halves_carry_a_run_through_and_are_counted() {
         halved += usize::from(remarks.iter().any(|r| r.contains("taken in halves") && r.contains("not symplectic")));
         errors.push(worst);
     }
+    let first = errors[0];
     let [median, most] = median_and_most(errors);
-    println!("HALVES {median:.2e} to {most:.2e}, {halved} halved");
-    // measured 2.8e-1 from the first start; builds that differ by roundoff had 1.1e-1
-    assert!(median <= 0.5 && most <= 0.7 && halved == 10, "{median:e} {most:e}, {halved}");
+    println!("{first:.2e} first, {median:.2e} to {most:.2e}, {halved} halved");
+    // measured 2.8e-1 first and in the middle, 5.3e-2 to 6.7e-1; builds that differ by roundoff had 1.1e-1 first
+    assert!(first <= 0.7 && median <= 0.6 && most <= 1.4 && halved == 10, "{median:e} {most:e}, {halved}");
 }
 
 #[test]

@@ -6,37 +6,50 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::sync::atomic::{AtomicBool, AtomicU64};
-
-use rattlebench::engines::{self, Engine, Role};
-use rattlebench::measure::cost::clock::{Candidate, Effort, time};
+use cpu_time::ThreadTime;
+use rattlebench::engines::{self, Role};
 use rattlebench::mechanics::System;
 
 /// s
 const STEP: f64 = 1e-3;
 const SKIPPED: usize = 20;
 /// Steps after which a run starts afresh: 0.2 s, before a long chain whips.
-const TIMED: u64 = 180;
+const TIMED: usize = 180;
+const ROUNDS: usize = 7;
+/// A turn steps about so many links, so that short chains are repeated.
+const LINKS_A_TURN: usize = 500;
 
 const LINKS: [usize; 6] = [1, 2, 5, 10, 50, 100];
 
-fn under_way(text: &str, system: &System) -> Box<dyn Engine> {
-    let mut engine = common::engine(text, system, STEP);
-    (0..SKIPPED).for_each(|_| engine.step().unwrap_or_else(|e| panic!("{e}")));
-    engine
+/// Microseconds a step in one turn.
+fn turn(text: &str, system: &System) -> f64 {
+    let passes = (LINKS_A_TURN / system.bodies.len()).max(1);
+    let mut spent = 0.0;
+    for _ in 0..passes {
+        let mut engine = common::engine(text, system, STEP);
+        let mut steps = |count| (0..count).for_each(|_| engine.step().unwrap_or_else(|e| panic!("{e}")));
+        steps(SKIPPED);
+        let begin = ThreadTime::now();
+        steps(TIMED);
+        spent += begin.elapsed().as_secs_f64();
+    }
+    spent * 1e6 / (passes * TIMED) as f64
 }
 
-/// Of each engine, in their order.
-fn microseconds_a_step(specs: &[&'static str], links: usize) -> Vec<f64> {
-    let system = &common::compile(&common::alternating(links));
-    let candidate = |text: &&'static str| {
-        let text = *text;
-        Candidate { build: Box::new(move || Some(under_way(text, system))), steps: TIMED }
+/// Medians of each engine, in their order.
+fn microseconds_a_step(specs: &[&str], links: usize) -> Vec<f64> {
+    let system = common::compile(&common::alternating(links));
+    let mut times = vec![Vec::new(); specs.len()];
+    for _ in 0..ROUNDS {
+        for (text, times) in specs.iter().zip(&mut times) {
+            times.push(turn(text, &system));
+        }
+    }
+    let median = |mut times: Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[ROUNDS / 2]
     };
-    let candidates: Vec<Candidate> = specs.iter().map(candidate).collect();
-    let found = time(&candidates, Effort::FULL, &AtomicBool::new(false), &AtomicU64::new(0));
-    let timings = found.expect("nothing interrupts");
-    timings.into_iter().map(|timing| timing.expect("no step fails").median * 1e6).collect()
+    times.into_iter().map(median).collect()
 }
 
 fn main() {

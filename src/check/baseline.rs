@@ -1,9 +1,9 @@
 //! Comparison with an earlier report: what has become worse by more than its margin.
 //!
-//! An error is worse when its size is more than [`FACTOR`] times the earlier one and more than roundoff. A verdict is
+//! An error is worse when its size is more than `FACTOR` times the earlier one and more than roundoff. A verdict is
 //! worse when it comes later in `bounded`, `random_walk`, `drift`, `blow_up`. Processor time is compared as the ratio
 //! of `rattle` to another engine in the same report only, and is worse when that ratio has grown by more than
-//! [`TIME_FACTOR`]: a slower machine changes no ratio.
+//! `TIME_FACTOR`: a slower machine changes no ratio.
 
 use super::need::Need;
 use super::requirement::shown;

@@ -2,7 +2,7 @@
 //! worse.
 //!
 //! A bound holds one figure of a run below a maximum, above a minimum or both. [`Requirement`]s are bounds that have
-//! been checked; [`run`](run::run) takes the runs that they need, as a stream whose memory does not grow with the
+//! been checked; [`run`] takes the runs that they need, as a stream whose memory does not grow with the
 //! number of steps; [`judge`](judge::judge) compares. [`controls`] asks whether bounds catch bad integrators,
 //! [`propose`] writes bounds from what is measured, [`baseline`] compares with an earlier report. [`table`], [`junit`],
 //! [`summary`] and [`github`] tell the findings.

@@ -65,7 +65,7 @@ pub(crate) fn hamiltonian_map_from(
     Ok((q1, p1))
 }
 
-/// [`hamiltonian_map_from`] with the guess `q0`.
+/// `hamiltonian_map_from` with the guess `q0`.
 ///
 /// # Errors
 /// [`SolveError`] where `q1` is not found.

@@ -21,7 +21,7 @@
 //! | MW 2.3.2, 2.3.3 | `L_d^alpha`, `L_d^(sym,alpha)` | [`methods::alpha`], [`methods::symmetrised`] |
 //! | MW 2.4.1 | `L_d*(q0, q1, h) = -L_d(q1, q0, -h)` | [`methods::Adjoint`] |
 //! | MW 2.5.1 | several steps as one | [`methods::Composition`] |
-//! | MW 2.6.2, 2.6.3 | Newmark; kicks and drifts | [`methods::Newmark`], [`methods::explicit_prk`] |
+//! | MW 2.6.2, 2.6.3 | Newmark; kicks and drifts | [`methods::Newmark`], `methods::explicit_prk` |
 //! | MW 2.6.8 | symplectic partitioned Runge-Kutta | [`methods::partitioned_rk`] |
 //! | MW 2.6.10, 5.3.8 | Galerkin, sinusoidal trajectories | [`methods::polynomial`], [`methods::Trigonometric`] |
 //! | MW 3.2 | `f_d-`, `f_d+`, forced Legendre transforms | [`lagrangian::WithForce`] |

@@ -2,7 +2,7 @@
 //!
 //! Mass matrix by composite rigid bodies and bias by recursive Newton-Euler ([`Dynamics`]), integrated by the
 //! Dormand-Prince pair of order 8 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section
-//! II.10; [`Integrator`]). Neither shares code with the variational core. Loops and mimic joints
+//! II.10; `Integrator`). Neither shares code with the variational core. Loops and mimic joints
 //! are held by the least force that does, and positions and velocities are taken back to the constraint manifold after
 //! each accepted step. [`trajectory`] integrates twice, at two tolerances, and gives the distance of the two as its
 //! error estimate.

@@ -1,11 +1,18 @@
 //! Figures taken from the states that engines return, by one implementation for all of them.
 //!
-//! A [`Horizon`] says how many steps of which size a run takes. [`trace`](trace::trace) steps an engine over it once
-//! and computes energy, joint residuals and momentum after every step; [`clock`] measures the processor time of the
-//! stepping alone; [`comparison`] does both for several engines and step sizes. [`growth`] judges how an error grows;
-//! [`structure`] what a few steps preserve of the structure of the motion. [`truth`] is the trajectory that
-//! [`accuracy`] is judged by, [`ranking`] what an accuracy costs each engine, and [`study`] a comparison with all that
-//! belongs to it.
+//! | module | holds |
+//! | --- | --- |
+//! | [`horizon`], [`outcome`], [`run`] | how many steps of which size, how they end, and all that was measured in them |
+//! | [`trace`] | one run, stepped once: energy, joint residuals and momentum after every step |
+//! | [`truth`] | the trajectory that positions are judged by, and their errors |
+//! | [`cost`] | processor time of the stepping alone, the sweep of settings, what an accuracy costs each engine |
+//! | [`growth`], [`convergence`] | how an error grows with time and falls with the step |
+//! | [`structure`] | what a few steps preserve of the structure of the motion |
+//! | [`parity`] | whether engines were given one mechanical system |
+//! | [`comparison`], [`study`] | several engines and steps, and that with truth, parity and sweep |
+//! | [`stability`] | cells of scenes along a parameter against the step |
+//! | `theory` | figures and tables of the sources of the theory |
+//! | `threads`, `scales` | the one queue of work, and lengths that errors are divided by |
 
 mod batch;
 pub mod comparison;
@@ -16,12 +23,12 @@ pub mod horizon;
 pub mod outcome;
 pub mod parity;
 pub mod run;
-pub mod scales;
+pub(crate) mod scales;
 pub mod stability;
 pub mod structure;
 pub mod study;
-pub mod theory;
-pub mod threads;
+pub(crate) mod theory;
+pub(crate) mod threads;
 pub mod trace;
 pub mod truth;
 

@@ -10,7 +10,7 @@ pub(crate) const DIVERGED: f64 = 1e6;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Completed,
-    /// The state stopped being a number, or its energy passed [`DIVERGED`] energy scales.
+    /// The state stopped being a number, or its energy passed `DIVERGED` energy scales.
     Diverged {
         detail: String,
     },

@@ -2,12 +2,12 @@
 //!
 //! Every candidate is stepped from the scene's initial state on one thread, with nothing between two steps: no state is
 //! converted, nothing is measured. A pass takes the whole run, or, where that would take long, its first part
-//! ([`Effort::longest_pass`]). One pass warms up and is thrown away; then the candidates take turns, one pass each a
+//! (`Effort::longest_pass`). One pass warms up and is thrown away; then the candidates take turns, one pass each a
 //! round, so that a change of the machine's speed meets all of them. A pass that is too short for the clock
-//! ([`Effort::shortest_turn`]) is repeated within its turn. The figure is the median over the rounds; what candidates
+//! (`Effort::shortest_turn`) is repeated within its turn. The figure is the median over the rounds; what candidates
 //! are ranked by is their lower decile: other work on the machine takes caches and clock from a turn and gives nothing
 //! back, so that the fastest turns are those that it left alone. What the loop around the steps costs is in both:
-//! [`overhead`] measures that.
+//! `overhead` measures that.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;

@@ -2,7 +2,7 @@
 //!
 //! Every run of a sweep is timed in a few rounds, which on a machine with other work tell costs apart to a tenth or so.
 //! Ranks need more: the runs that can be the cheapest of their engine at a target, where two engines are near each
-//! other there, are timed again in many rounds ([`Effort::RANKING`](super::clock::Effort::RANKING)).
+//! other there, are timed again in many rounds (`Effort::RANKING`).
 
 use crate::measure::run::Run;
 
@@ -29,7 +29,7 @@ pub(crate) fn is_judged(target: f64, reference_error: f64) -> bool {
 
 /// A run that stands for its engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Standing {
     /// Index into the runs.
     pub run: usize,
     pub reached: bool,
@@ -41,26 +41,26 @@ pub(crate) struct Place {
     pub cost: f64,
 }
 
-impl Place {
+impl Standing {
     /// `None` for runs that were not completed or not timed.
-    fn of(index: usize, run: &Run, target: f64) -> Option<Place> {
+    fn of(index: usize, run: &Run, target: f64) -> Option<Standing> {
         let (error, cost) = (run.joint_error()?, run.cost()?);
-        Some(Place { run: index, reached: error <= target, rank: None, error, cost })
+        Some(Standing { run: index, reached: error <= target, rank: None, error, cost })
     }
 }
 
 /// For every engine, in the order of the runs, its cheapest run that reaches the target, or the one that comes nearest.
-pub(crate) fn rank(runs: &[Run], target: f64) -> Vec<Place> {
-    let mut found: Vec<Place> = engines(runs, target).into_iter().filter_map(|places| best(&places)).collect();
+pub(crate) fn rank(runs: &[Run], target: f64) -> Vec<Standing> {
+    let mut found: Vec<Standing> = engines(runs, target).into_iter().filter_map(|standings| best(&standings)).collect();
     share(&mut found);
     found
 }
 
-/// The targets that a reference known to `reference_error` can judge, each with its places; those that no run can be
+/// The targets that a reference known to `reference_error` can judge, each with its standings; those that no run can be
 /// held to are left out.
-pub(crate) fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Place>)> {
+pub(crate) fn targets(runs: &[Run], reference_error: f64) -> Vec<(f64, Vec<Standing>)> {
     let judged = TARGETS.into_iter().filter(|target| is_judged(*target, reference_error));
-    judged.map(|target| (target, rank(runs, target))).filter(|(_, places)| !places.is_empty()).collect()
+    judged.map(|target| (target, rank(runs, target))).filter(|(_, standings)| !standings.is_empty()).collect()
 }
 
 /// The runs whose costs decide a rank, or could once they are known better.
@@ -73,47 +73,48 @@ pub(crate) fn contested(runs: &[Run], reference_error: f64) -> Vec<usize> {
 }
 
 fn contested_at(runs: &[Run], target: f64) -> Vec<usize> {
-    let reaching = |places: Vec<Place>| places.into_iter().filter(|place| place.reached).collect::<Vec<Place>>();
-    let engines: Vec<Vec<Place>> = engines(runs, target).into_iter().map(reaching).collect();
-    let costs: Vec<f64> = engines.iter().filter_map(|places| Some(best(places)?.cost)).collect();
+    let reaching =
+        |standings: Vec<Standing>| standings.into_iter().filter(|standing| standing.reached).collect::<Vec<Standing>>();
+    let engines: Vec<Vec<Standing>> = engines(runs, target).into_iter().map(reaching).collect();
+    let costs: Vec<f64> = engines.iter().filter_map(|standings| Some(best(standings)?.cost)).collect();
     let near = |cost: f64| costs.iter().filter(|other| cost.max(**other) <= APART * cost.min(**other)).count() > 1;
-    let of_engine = |places: Vec<Place>| {
-        let least = best(&places).map(|place| place.cost).filter(|cost| near(*cost));
-        places.into_iter().filter(move |place| least.is_some_and(|least| place.cost <= UNSURE * least))
+    let of_engine = |standings: Vec<Standing>| {
+        let least = best(&standings).map(|standing| standing.cost).filter(|cost| near(*cost));
+        standings.into_iter().filter(move |standing| least.is_some_and(|least| standing.cost <= UNSURE * least))
     };
-    engines.into_iter().flat_map(of_engine).map(|place| place.run).collect()
+    engines.into_iter().flat_map(of_engine).map(|standing| standing.run).collect()
 }
 
 /// The completed and timed runs by engine without its settings, in the order of the runs.
-fn engines(runs: &[Run], target: f64) -> Vec<Vec<Place>> {
-    let mut found: Vec<(&str, Vec<Place>)> = Vec::new();
+fn engines(runs: &[Run], target: f64) -> Vec<Vec<Standing>> {
+    let mut found: Vec<(&str, Vec<Standing>)> = Vec::new();
     for (index, run) in runs.iter().enumerate() {
-        let Some(place) = Place::of(index, run, target) else { continue };
+        let Some(standing) = Standing::of(index, run, target) else { continue };
         let name = run.engine.entry().name;
         match found.iter_mut().find(|(engine, _)| *engine == name) {
-            Some((_, places)) => places.push(place),
-            None => found.push((name, vec![place])),
+            Some((_, standings)) => standings.push(standing),
+            None => found.push((name, vec![standing])),
         }
     }
-    found.into_iter().map(|(_, places)| places).collect()
+    found.into_iter().map(|(_, standings)| standings).collect()
 }
 
-fn best(places: &[Place]) -> Option<Place> {
-    let reaching = places.iter().filter(|place| place.reached);
-    let nearest = || places.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+fn best(standings: &[Standing]) -> Option<Standing> {
+    let reaching = standings.iter().filter(|standing| standing.reached);
+    let nearest = || standings.iter().min_by(|a, b| a.error.total_cmp(&b.error));
     reaching.min_by(|a, b| a.cost.total_cmp(&b.cost)).or_else(nearest).copied()
 }
 
 /// A rank is shared by the costs that are alike to the least of them.
-fn share(engines: &mut [Place]) {
-    let mut reached: Vec<&mut Place> = engines.iter_mut().filter(|place| place.reached).collect();
+fn share(engines: &mut [Standing]) {
+    let mut reached: Vec<&mut Standing> = engines.iter_mut().filter(|standing| standing.reached).collect();
     reached.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let (mut rank, mut least) = (0, 0.0);
-    for (i, place) in reached.into_iter().enumerate() {
-        if i == 0 || place.cost >= ALIKE * least {
-            (rank, least) = (i + 1, place.cost);
+    for (i, standing) in reached.into_iter().enumerate() {
+        if i == 0 || standing.cost >= ALIKE * least {
+            (rank, least) = (i + 1, standing.cost);
         }
-        place.rank = Some(rank);
+        standing.rank = Some(rank);
     }
 }
 
@@ -133,7 +134,7 @@ mod tests {
             let engines = ["rattle", "galerkin", "dop853", "rk4"];
             let runs: Vec<Run> =
                 engines.iter().zip(costs).map(|(e, cost)| run(e, if cost < 9.0 { 1e-7 } else { 1e-5 }, cost)).collect();
-            rank(&runs, 1e-6).iter().map(|place| place.rank).collect::<Vec<_>>()
+            rank(&runs, 1e-6).iter().map(|standing| standing.rank).collect::<Vec<_>>()
         };
         assert_eq!(ranks([1.1, 3.0, 1.0, 9.0]), [Some(1), Some(3), Some(1), None]);
         // Changed by a few percent each, the rank is the same; by more, it is not.

@@ -1,6 +1,6 @@
 //! The settings that are tried beside those of a comparison, so that each engine is judged by its best.
 //!
-//! A sweep takes every setting over the first [`LONGEST`] seconds of a scene, or less where the truth ends sooner, at
+//! A sweep takes every setting over the first `LONGEST` seconds of a scene, or less where the truth ends sooner, at
 //! step sizes that divide this time: errors are compared at the same twenty times in every run, or at those of them
 //! that it has.
 

@@ -6,19 +6,19 @@
 //! | --- | --- |
 //! | `over_budget` | the run would cost more than its allowance of work, and was not begun |
 //! | `refused` | the engine has no means for the scene, or ended with a named reason before it returned a wrong state |
-//! | `blow_up` | a state is not a number, or the energy error passes [`BLOW_UP`] scales |
+//! | `blow_up` | a state is not a number, or the energy error passes `BLOW_UP` scales |
 //! | `constraint_broken` | the halves of a joint are more than [`BROKEN`] of a link apart, or turned by as many rad |
-//! | `accurate` | pose error, energy error and joint gap all stay within [`ACCURATE`], and the truth is known |
-//! | `bounded` | the energy error never passes [`MATERIAL`], or does not grow, or comes back from where it was |
+//! | `accurate` | pose error, energy error and joint gap all stay within `ACCURATE`, and the truth is known |
+//! | `bounded` | the energy error never passes `MATERIAL`, or does not grow, or comes back from where it was |
 //! | `drifting` | the energy error grows like a random walk, without a direction |
 //! | `gaining` | energy grows, or stays too high |
 //! | `dissipating` | energy falls, or stays too low |
 //!
 //! Whether an error grows is judged by [`growth`](crate::measure::growth), and runs are a few swings long, over which
 //! an error that depends on the position looks like growth. So what grows must also *widen*: the spread of the error
-//! over the whole run is at least [`WIDER`] times that over its first half; and it must not *come back*: its mean over
+//! over the whole run is at least `WIDER` times that over its first half; and it must not *come back*: its mean over
 //! the last quarter of the run, or over the last sixteenth, is at least a quarter of its largest value. An error
-//! *stays* where it is above [`WHOLE`], or above [`SETTLED`] and all of the last quarter is beyond half of the largest
+//! *stays* where it is above `WHOLE`, or above `SETTLED` and all of the last quarter is beyond half of the largest
 //! value, on one side: a motion that was damped to rest in a moment has stopped losing energy, and has lost it all the
 //! same. In scenes with dampers or drives the energy is the balance: what the forces without potential did is accounted
 //! for.

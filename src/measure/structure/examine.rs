@@ -45,7 +45,7 @@ pub struct Structure {
     pub detail: Option<String>,
 }
 
-/// The state [`EXAMINED_AT`] into the motion (at most `longest` s), with its time; the initial state where the motion
+/// The state `EXAMINED_AT` into the motion (at most `longest` s), with its time; the initial state where the motion
 /// cannot be had.
 pub fn examined_state(system: &System, longest: f64) -> (State, f64) {
     let steps = (EXAMINED_AT.min(longest) / LEADING_STEP).round();

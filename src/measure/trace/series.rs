@@ -53,7 +53,7 @@ pub struct Block<const N: usize> {
     pub values: [Extent; N],
 }
 
-/// `N` quantities over a run, in at most [`MAX_BLOCKS`] blocks of equally many steps; the last one may have fewer.
+/// `N` quantities over a run, in at most `MAX_BLOCKS` blocks of equally many steps; the last one may have fewer.
 /// Memory does not grow with the number of steps.
 #[derive(Clone, Debug)]
 pub struct Series<const N: usize> {

@@ -2,7 +2,7 @@
 //!
 //! The trajectory is that of an engine which shares no dynamics with the others; its error is estimated from its
 //! disagreement with other trajectories of the same system. A chaotic system doubles every error again and again, so
-//! each trajectory is worth something for a while only: until the estimate passes [`TRUSTED`].
+//! each trajectory is worth something for a while only: until the estimate passes `TRUSTED`.
 
 use crate::measure::scales;
 use crate::mechanics::{State, System};
@@ -22,7 +22,7 @@ pub struct Truth {
     pub states: Vec<State>,
     /// The estimated relative error of each state.
     pub estimates: Vec<f64>,
-    /// s; the end of the run, or the last time at which the estimate is below [`TRUSTED`].
+    /// s; the end of the run, or the last time at which the estimate is below `TRUSTED`.
     pub trusted_until: f64,
 }
 

@@ -8,7 +8,7 @@ use super::run::Run;
 use crate::engines::Spec;
 use crate::measure::convergence::{self, Verdict};
 use crate::measure::cost::expectation::{expectations, over_long_times};
-use crate::measure::cost::ranking::{self, Place};
+use crate::measure::cost::ranking::{self, Standing};
 use crate::measure::run::Run as MeasuredRun;
 use crate::measure::study::Sweep as MeasuredSweep;
 use crate::mechanics::System;
@@ -77,9 +77,9 @@ impl Sweep {
             sweep.runs.iter().map(|run| Run { series: None, start: None, ..Run::new(run, system) }).collect();
         let convergence = convergence::of_settings(&sweep.runs, sweep.error_estimate).into_iter().map(Convergence::new);
         let targets = ranking::targets(&sweep.runs, sweep.error_estimate).into_iter();
-        let target = |(max_joint_error, places): (f64, Vec<Place>)| Target {
+        let target = |(max_joint_error, standings): (f64, Vec<Standing>)| Target {
             max_joint_error,
-            engines: places.iter().map(|p| Cheapest::new(p, &sweep.runs[p.run])).collect(),
+            engines: standings.iter().map(|p| Cheapest::new(p, &sweep.runs[p.run])).collect(),
         };
         let expected = expectations(&sweep.runs, sweep.error_estimate).into_iter().chain(over_long_times(compared));
         Sweep {
@@ -100,15 +100,15 @@ impl Convergence {
 }
 
 impl Cheapest {
-    fn new(place: &Place, run: &MeasuredRun) -> Cheapest {
+    fn new(standing: &Standing, run: &MeasuredRun) -> Cheapest {
         Cheapest {
             family: run.engine.entry().name.to_string(),
-            reached: place.reached,
-            rank: place.rank,
+            reached: standing.reached,
+            rank: standing.rank,
             engine: run.engine.to_string(),
             step_s: run.horizon.step,
-            max_joint_error: place.error,
-            s_per_simulated_s: place.cost,
+            max_joint_error: standing.error,
+            s_per_simulated_s: standing.cost,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The charts of `rattlebench theory`, one file each, drawn from the records of [`crate::report::theory`].
+//! The charts of `rattlebench theory`, one file each, drawn from the records of `crate::report::theory`.
 
 pub mod convergence;
 pub mod energy_of_particle;

@@ -9,16 +9,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::failure::Failure;
 use super::phase_chart::PhaseChart;
-use crate::mechanics::State;
+use crate::mechanics::{RANK, State};
 
 /// Newton iterations that close the rows at most.
 const ITERATIONS: usize = 20;
 
 /// What the rows may be off by, m and rad.
 const CLOSED: f64 = 1e-13;
-
-/// Pivots below this share of the largest are none.
-const RANK: f64 = 1e-9;
 
 /// Which joint coordinates are independent near one state.
 #[derive(Clone, Debug)]

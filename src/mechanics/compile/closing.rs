@@ -12,19 +12,28 @@ use crate::mechanics::coordinates::forward_kinematics;
 use crate::mechanics::joint::JointCoordinates;
 use crate::mechanics::mobility::Mobility;
 use crate::mechanics::parts::Parts;
+use crate::mechanics::rank::RANK;
 
-/// Singular values below this part of the largest count as zero.
-const RANK: f64 = 1e-9;
-
-/// The largest change of a coordinate in one Gauss-Newton step, rad or m.
+/// The largest change of a coordinate in one Gauss-Newton step, rad or m: at 0.3 rad the linearisation of a turn errs by
+/// 0.3^2 / 2, a twentieth.
 const LONGEST_STEP: f64 = 0.3;
 
-/// Steps from one start, and starts that are tried.
+/// Steps from one start. The shipped linkages take 5 to 23.
 const STEPS: usize = 200;
+
+/// Steps in a row that leave more than `PROGRESS` of the least residual before a start is given up.
+const STAGNATION: usize = 30;
+const PROGRESS: f64 = 0.9;
+
+/// Starts that are tried. The shipped linkages close from the first, second or third.
 const STARTS: usize = 40;
 
+/// Phases of the starts over coordinates and over starts, rad: the golden angle spreads them evenly, and the other is in
+/// no simple ratio to it.
+const PHASES: (f64, f64) = (2.399_963, 1.234_567);
+
 /// How far closures may be open in a consistent state: m or rad for positions, m/s or rad/s for velocities, each
-/// against the size of the system's own lengths and velocities.
+/// against the size of the system's own lengths and velocities. The shipped linkages close to 5e-16 and 7e-16.
 const CLOSED: f64 = 1e-11;
 
 /// What a scene gives of a joint's initial state. What it does not give is free to be solved for.
@@ -131,7 +140,7 @@ impl<'a> Closing<'a> {
         let reach = 3.0 * start as f64 / STARTS as f64;
         for (n, &column) in free.iter().enumerate() {
             let (i, slot) = self.coordinates[column];
-            let phase = (n + 1) as f64 * 2.399_963 + start as f64 * 1.234_567;
+            let phase = (n + 1) as f64 * PHASES.0 + start as f64 * PHASES.1;
             theta[i].position[slot] += reach * phase.sin();
         }
     }
@@ -146,13 +155,13 @@ impl<'a> Closing<'a> {
                 return Err((f64::INFINITY, Open::Position { part, by }));
             }
             let closed = by <= CLOSED * self.length();
-            since_progress = if by < 0.9 * least { 0 } else { since_progress + 1 };
+            since_progress = if by < PROGRESS * least { 0 } else { since_progress + 1 };
             least = least.min(by);
             // Two more steps after the first closed one reach roundoff.
             if (closed && closed_before && since_progress > 0) || (closed && free.is_empty()) {
                 return Ok(());
             }
-            if since_progress > 30 || free.is_empty() {
+            if since_progress > STAGNATION || free.is_empty() {
                 return Err((by, Open::Position { part, by }));
             }
             closed_before = closed;

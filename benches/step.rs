@@ -1,7 +1,7 @@
 //! Microseconds a step of every engine on chains of 1 kg rods with alternating hinge axes, released from horizontal.
 //!
-//! Each pass starts afresh and skips the first steps, so that all sizes are timed in the same phase of the motion. The engines
-//! take turns; medians over the rounds.
+//! Each pass starts afresh and skips the first steps, so that all sizes are timed in the same phase of the motion. The
+//! engines take turns; medians over the rounds.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

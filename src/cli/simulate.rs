@@ -36,6 +36,10 @@ pub(crate) struct Args {
     /// Initial position and velocity of a joint; commas between the coordinates of a joint that has several.
     #[arg(long, value_name = "JOINT=POS[:VEL]")]
     set: Vec<String>,
+    /// Say on stderr what the constraint solver took: solves, rounds, refactorisations, restarts, and which rule ended
+    /// them.
+    #[arg(long)]
+    solver: bool,
     /// File to write; - is stdout.
     #[arg(long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
@@ -72,8 +76,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     for remark in engine.remarks() {
         eprintln!("remark: {spec}: {remark}");
     }
+    if args.solver {
+        eprintln!("solver: {spec}: {}", solver(engine.as_ref()));
+    }
     let failed = matches!(ended, Ended::Failed(_));
-    if let Some(warning) = turn.warning(&system, engine.as_ref()).filter(|_| !failed) {
+    if let Some(warning) = turn.warning(&system).filter(|_| !failed) {
         eprintln!("warning: {spec}: {warning}");
     }
     match ended {
@@ -81,6 +88,23 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Ended::Interrupted => Err(CliError::Interrupted),
         Ended::Failed(failure) => Err(CliError::RunFailed { engine: spec.to_string(), detail: failure.to_string() }),
     }
+}
+
+/// What the constraint solver took.
+fn solver(engine: &dyn Engine) -> String {
+    let Some(counters) = engine.solver() else { return "not counted".to_string() };
+    let per_solve = |count: u64| count as f64 / counters.solves.max(1) as f64;
+    let endings = counters.endings.iter().filter(|(_, count)| *count > 0);
+    let endings: Vec<String> = endings.map(|(rule, count)| format!("{count} {rule}")).collect();
+    format!(
+        "{} solves of {:.2} rounds; {} refactorisations, {} restarts, {} steps in halves; ended: {}",
+        counters.solves,
+        per_solve(counters.rounds),
+        counters.refactorisations,
+        counters.restarts,
+        counters.steps_in_halves,
+        endings.join(", ")
+    )
 }
 
 /// Steps between two rows.

@@ -22,8 +22,8 @@ pub trait Engine {
         false
     }
 
-    /// Why the figures of the run may mislead although no step has failed, as far as the engine knows.
-    fn warning(&self) -> Option<String> {
+    /// What its constraint solver has taken since the start, where it counts.
+    fn solver(&self) -> Option<SolverCounters> {
         None
     }
 
@@ -31,6 +31,22 @@ pub trait Engine {
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }
+}
+
+/// What a constraint solver has taken since the start of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SolverCounters {
+    pub solves: u64,
+    /// Rounds of the iteration, those of solves that failed included.
+    pub rounds: u64,
+    /// Factorisations beside the one of each solve.
+    pub refactorisations: u64,
+    /// Solves that began again from another start.
+    pub restarts: u64,
+    /// Steps that failed and were taken in halves.
+    pub steps_in_halves: u64,
+    /// Which rule has ended how many of the solves.
+    pub endings: Vec<(&'static str, u64)>,
 }
 
 /// Why a step could not be taken.

@@ -27,7 +27,7 @@ mod spec;
 pub(crate) mod swept;
 mod values;
 
-pub use engine::{Engine, StepFailure, Unsupported};
+pub use engine::{Engine, SolverCounters, StepFailure, Unsupported};
 pub use entry::Entry;
 pub(crate) use group::Origin;
 pub use held::{Held, HeldBody};

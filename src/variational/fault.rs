@@ -16,8 +16,8 @@ pub enum Fault {
     LooseTolerance,
     /// Positions, attitudes and momenta are plain sums.
     PlainSums,
-    /// A step starts from the joints' impulses on the bodies as they were in the last step: those are not in the range of
-    /// `G(q0)^T`.
+    /// A step starts from the joints' impulses on the bodies as they were in the last step: those are not in the range
+    /// of `G(q0)^T`.
     WarmBodyImpulses,
     /// Dampers push.
     DampingSign,
@@ -72,8 +72,9 @@ impl Faulty {
         }
     }
 
-    /// [`Fault::DroppedMultiplier`]: takes one force component of the first joint out of the momenta, with its moment at the start
-    /// of the step. With that at the end it would not show: the next step's multipliers would make up for it.
+    /// [`Fault::DroppedMultiplier`]: takes one force component of the first joint out of the momenta, with its moment
+    /// at the start of the step. With that at the end it would not show: the next step's multipliers would make up for
+    /// it.
     fn drop_multiplier(&mut self) {
         let Rattle { now, trial, .. } = &mut self.rattle;
         let (arm, axis) = (now.frames[1].arm, now.pose[1].r.column(0).into_owned());

@@ -1,10 +1,11 @@
 //! The variational integrators for rigid bodies with joints.
 //!
 //! [`rattle::Rattle`] is the discrete Hamiltonian map of Marsden and West (2001), section 3.5.4, on the constraint
-//! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a
-//! body turns by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`energy_momentum`] solves
-//! for it, [`substep`] takes a step that fails in halves. Loops, couplings and springs between points are rows across the tree, whose Schur complement is
-//! factorised with its rank revealed; springs, dampers and drives of the joints enter the recursion itself.
+//! manifold of the joints. Its linear algebra is the articulated-body recursion over the tree of joints; a body turns
+//! by a rule of [`rotation`]; [`composition`] raises the order, [`adaptive`] varies the step, [`energy_momentum`]
+//! solves for it, [`substep`] takes a step that fails in halves. Loops, couplings and springs between points are rows
+//! across the tree, whose Schur complement is factorised with its rank revealed; springs, dampers and drives of the
+//! joints enter the recursion itself.
 
 mod chain;
 mod closing;

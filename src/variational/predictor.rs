@@ -1,26 +1,26 @@
 //! Start values of the constraint iteration: joint wrenches extrapolated in the child's body frame.
 //!
 //! Seen from the child, a joint wrench changes slowly. The polynomial through the last wrenches, taken at the present
-//! time, is a start from which the chord iteration needs one or two rounds less than from the last wrench. The wrench is
-//! kept in the joint and not as an impulse on the bodies: an impulse of the last step does not lie in the range of
+//! time, is a start from which the chord iteration needs one or two rounds less than from the last wrench. The wrench
+//! is kept in the joint and not as an impulse on the bodies: an impulse of the last step does not lie in the range of
 //! `G(q0)^T` and would pump energy in.
 
 use super::chain::Pose;
 use super::tree::spatial::{Spatial, Wrench};
 
-/// Wrenches that are remembered: a polynomial of degree six. On chains of 10 and 100 rods at h = 1e-3 the iteration takes
-/// 3.1 and 3.7 rounds with degree three, 2.0 and 2.3 with degree six.
+/// Wrenches that are remembered: a polynomial of degree six. On chains of 10 and 100 rods at h = 1e-3 the iteration
+/// takes 3.1 and 3.7 rounds with degree three, 2.0 and 2.3 with degree six.
 const DEPTH: usize = 7;
 
 /// The degree that they are enough for.
 pub(super) const FULL: usize = DEPTH - 1;
 
-/// The degree where steps go back and forth in time, as those of a composition: their wrenches differ by what depends on the
-/// size of the step, and extrapolation would enlarge that.
+/// The degree where steps go back and forth in time, as those of a composition: their wrenches differ by what depends
+/// on the size of the step, and extrapolation would enlarge that.
 const RESTLESS: usize = 2;
 
-/// The degree in systems with springs in joints: that of a stiff one carries the roundoff of its angle, which a high degree
-/// enlarges.
+/// The degree in systems with springs in joints: that of a stiff one carries the roundoff of its angle, which a high
+/// degree enlarges.
 pub(super) const SPRUNG: usize = 3;
 
 /// The last joint forces (N, N m about the joint point, child's body axes) and their times.
@@ -81,8 +81,8 @@ impl Predictor {
         Spatial::new(pose.r * impulse.linear, pose.r * impulse.angular)
     }
 
-    /// What the remembered forces count in the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of the given
-    /// degree.
+    /// What the remembered forces count in the impulses of a half kick `h/2` at `time`, extrapolated by a polynomial of
+    /// the given degree.
     pub(super) fn weights(&self, time: f64, h: f64, degree: usize) -> [f64; DEPTH] {
         self.lagrange(time, degree).map(|weight| 0.5 * h * weight)
     }

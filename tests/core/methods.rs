@@ -3,7 +3,7 @@
 use rattlebench::engines::{self, Spec};
 use rattlebench::mechanics::{State, System};
 use rattlebench::variational::method::{METHODS, Order, Steps};
-use rattlebench::variational::{Lobatto, Map, Method, Rattle, composition};
+use rattlebench::variational::{Ending, Lobatto, Map, Method, Rattle, composition};
 
 use crate::common::*;
 
@@ -218,5 +218,29 @@ fn every_method_is_what_its_row_of_facts_says() {
         // measured at most 1.2e-13 (shake), and 3e-2 and more where it is not reversible
         assert_eq!(missed <= 3e-13, facts.time_reversible, "{}: {missed:e}", facts.name);
         assert!(facts.time_reversible || missed > 1e-2, "{}: {missed:e}", facts.name);
+    }
+}
+
+#[test]
+fn every_solve_is_ended_by_one_rule() {
+    let steps = 500;
+    for (system, tolerance, unbiased) in [
+        (five_links(), 0.0, false),
+        (five_links(), 1e-8, false),
+        (five_links(), 0.0, true),
+        (shipped("four_bar"), 0.0, false),
+    ] {
+        let mut rattle = Rattle::new(&system).unwrap().with_tolerance(tolerance);
+        if unbiased {
+            rattle = rattle.with_unbiased_roundoff();
+        }
+        (0..steps).for_each(|_| rattle.step(1e-3).unwrap());
+        let counters = rattle.counters();
+        let ended: u64 = counters.endings().map(|(_, count)| count).sum();
+        println!("{counters:?}");
+        assert!(counters.solves == steps && ended == steps && counters.rounds >= steps, "{counters:?}");
+        let by = |rule: Ending| counters.endings().find(|(ending, _)| *ending == rule).unwrap().1;
+        assert_eq!(by(Ending::Tolerance) > 0, tolerance > 0.0, "{counters:?}");
+        assert_eq!(by(Ending::Unbiased) > 0, unbiased, "{counters:?}");
     }
 }

@@ -4,7 +4,7 @@ use super::engine::RattleEngine;
 use super::fits::fits;
 use super::messages::{Names, describe};
 use super::remarks::Told;
-use super::settings::{OnFailure, Settings, StepChoice, Turning};
+use super::settings::{OnFailure, Roundoff, Settings, StepChoice, Turning};
 use crate::engines::engine::{Engine, Unsupported};
 use crate::engines::values::Values;
 use crate::mechanics::System;
@@ -77,8 +77,10 @@ impl Making<'_> {
             Turning::Automatic => rattle.with_automatic_rotation(),
             Turning::By(rotation) => rattle.with_rotation(rotation),
         };
-        let unbiased = self.settings.composition.reaches_roundoff();
-        Ok(if unbiased { rattle.with_unbiased_roundoff() } else { rattle })
+        Ok(match self.settings.roundoff {
+            Roundoff::Usual => rattle,
+            Roundoff::Unbiased => rattle.with_unbiased_roundoff(),
+        })
     }
 
     fn lobatto(&self) -> Result<Lobatto, String> {

@@ -3,7 +3,7 @@
 use super::explain::Failed;
 use super::messages::Names;
 use super::remarks::{self, Told};
-use crate::engines::engine::{Engine, StepFailure};
+use crate::engines::engine::{Engine, SolverCounters, StepFailure};
 use crate::mechanics::{State, System};
 use crate::variational::Failure;
 
@@ -67,8 +67,16 @@ impl<M: Told> Engine for RattleEngine<M> {
         self.map.own_step().is_some()
     }
 
-    fn warning(&self) -> Option<String> {
-        self.map.jump().map(|(part, time)| remarks::jumped(part, time))
+    fn solver(&self) -> Option<SolverCounters> {
+        let counters = self.map.rattle()?.counters();
+        Some(SolverCounters {
+            solves: counters.solves,
+            rounds: counters.rounds,
+            refactorisations: counters.refactorisations,
+            restarts: counters.restarts,
+            steps_in_halves: self.map.steps_in_halves(),
+            endings: counters.endings().map(|(ending, count)| (ending.name(), count)).collect(),
+        })
     }
 
     fn remarks(&self) -> Vec<String> {

@@ -10,27 +10,20 @@ pub(super) trait Told: Map {
     /// steps.
     fn steps(&self, step: f64, taken: u64) -> Option<String>;
 
-    /// The largest part of its kinetic energy that a linkage took from nowhere or lost in a step, and when, s. Substeps
-    /// of different sizes and signs are not compared.
-    fn jump(&self) -> Option<(f64, f64)>;
+    /// How many of the steps failed and were taken in halves.
+    fn steps_in_halves(&self) -> u64 {
+        0
+    }
 }
 
 impl Told for Rattle {
     fn steps(&self, _step: f64, _taken: u64) -> Option<String> {
         None
     }
-
-    fn jump(&self) -> Option<(f64, f64)> {
-        Rattle::jump(self)
-    }
 }
 
 impl Told for Lobatto {
     fn steps(&self, _step: f64, _taken: u64) -> Option<String> {
-        None
-    }
-
-    fn jump(&self) -> Option<(f64, f64)> {
         None
     }
 }
@@ -39,18 +32,10 @@ impl Told for Faulty {
     fn steps(&self, _step: f64, _taken: u64) -> Option<String> {
         None
     }
-
-    fn jump(&self) -> Option<(f64, f64)> {
-        None
-    }
 }
 
 impl<M: Map> Told for Composed<M> {
     fn steps(&self, _step: f64, _taken: u64) -> Option<String> {
-        None
-    }
-
-    fn jump(&self) -> Option<(f64, f64)> {
         None
     }
 }
@@ -70,18 +55,14 @@ impl<M: Told> Told for Halving<M> {
         })
     }
 
-    fn jump(&self) -> Option<(f64, f64)> {
-        self.map().jump()
+    fn steps_in_halves(&self) -> u64 {
+        self.halved().steps
     }
 }
 
 impl Told for Adaptive {
     fn steps(&self, _step: f64, _taken: u64) -> Option<String> {
         Some(format!("step=adaptive took {} steps of its own", Adaptive::steps(self)))
-    }
-
-    fn jump(&self) -> Option<(f64, f64)> {
-        None
     }
 }
 
@@ -95,10 +76,6 @@ impl Told for EnergyMomentum {
             )
         })
     }
-
-    fn jump(&self) -> Option<(f64, f64)> {
-        None
-    }
 }
 
 /// A body that left the Moser-Veselov equation at a time, s.
@@ -106,13 +83,5 @@ pub(super) fn switched(body: &str, time: f64) -> String {
     format!(
         "body '{body}' turns too fast for the Moser-Veselov equation at t = {time:.6} s; from there on it turns by \
          rotation=splitting"
-    )
-}
-
-/// A step at a time (s) that took this part of the kinetic energy of a linkage from nowhere, or lost it.
-pub(super) fn jumped(part: f64, time: f64) -> String {
-    format!(
-        "t = {time:.6} s: a step changes the kinetic energy of a linkage by {part:.2} of it without work, as where it \
-         passes a singular configuration within a step; take a smaller step"
     )
 }

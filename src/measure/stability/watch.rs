@@ -1,6 +1,6 @@
 //! An engine that is watched: how far its joints part, and where its bodies are at agreed times.
 
-use crate::engines::{Engine, StepFailure};
+use crate::engines::{Engine, SolverCounters, StepFailure};
 use crate::measure::Horizon;
 use crate::measure::scales::LinkLengths;
 use crate::mechanics::coordinates::{JointCoordinates, joint_coordinates};
@@ -99,8 +99,8 @@ impl Engine for Watched<'_> {
         self.engine.position_lag_s()
     }
 
-    fn warning(&self) -> Option<String> {
-        self.engine.warning()
+    fn solver(&self) -> Option<SolverCounters> {
+        self.engine.solver()
     }
 
     fn chooses_its_steps(&self) -> bool {

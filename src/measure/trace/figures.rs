@@ -1,6 +1,7 @@
 //! The figures of a run.
 
 use super::series::Series;
+use crate::engines::SolverCounters;
 use crate::measure::growth::Growth;
 use crate::measure::outcome::Outcome;
 use crate::measure::truth::accuracy::Accuracy;
@@ -35,6 +36,8 @@ pub struct Trace {
     pub turn_per_step: Option<f64>,
     /// Why the figures may mislead although the run went through.
     pub warning: Option<String>,
+    /// What the engine's constraint solver took, where it counts.
+    pub solver: Option<SolverCounters>,
     /// One entry for each component that the scene conserves.
     pub momentum: Vec<MomentumError>,
     /// Position errors against the truth, where it is known.
@@ -96,6 +99,7 @@ impl Trace {
             residual: None,
             turn_per_step: None,
             warning: None,
+            solver: None,
             momentum: Vec::new(),
             accuracy: None,
             start: None,

@@ -181,7 +181,8 @@ impl<'a> Probe<'a> {
             time_level_corrected: (measured && self.lag != 0.0).then_some(self.corrected),
             residual: measured.then_some(self.residual),
             turn_per_step: measured.then_some(self.turn.largest()),
-            warning: self.turn.warning(self.system, engine),
+            warning: self.turn.warning(self.system),
+            solver: engine.solver(),
             momentum: momentum
                 .filter(|_| measured)
                 .map(|((component, _), &max)| MomentumError { name: component.name, scale: component.scale, max })

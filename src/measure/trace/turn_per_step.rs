@@ -48,18 +48,17 @@ impl TurnPerStep {
         self.largest
     }
 
-    /// Why the figures of the run may mislead although it went through: what the engine says itself, and far turns.
-    pub fn warning(&self, system: &System, engine: &dyn Engine) -> Option<String> {
+    /// Why the figures of the run may mislead although it went through: bodies that turn far in a step.
+    pub fn warning(&self, system: &System) -> Option<String> {
         let far = self.fixed && self.largest > FAR_TURN;
-        let turns = far.then(|| {
+        far.then(|| {
             let below = self.step * FAR_TURN / self.largest;
             format!(
                 "body '{}' turns by {:.2} rad in a step; energy bounds are for less than about {FAR_TURN}: take a step \
                  below {below:.1e} s",
                 system.bodies[self.body].name, self.largest
             )
-        });
-        [engine.warning(), turns].into_iter().flatten().reduce(|all, one| format!("{all}; {one}"))
+        })
     }
 }
 
@@ -79,7 +78,7 @@ mod tests {
             engine.write_state(&mut state);
             turn.add(&state);
             assert_eq!(turn.largest(), 0.01 * speed);
-            turn.warning(&system, &engine)
+            turn.warning(&system)
         };
         assert_eq!(warning(29.0), None);
         let words = "body 'wheel' turns by 0.60 rad in a step; energy bounds are for less than about 0.3: take a step \

@@ -10,6 +10,7 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod series;
+pub mod solver;
 pub mod stability;
 pub mod structure;
 pub mod sweep;

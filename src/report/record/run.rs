@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reference::Accuracy;
 use super::series::{Series, series};
+use super::solver::Solver;
 use super::structure::Structure;
 use super::time::{Time, time};
 use crate::measure::growth::Verdict;
@@ -44,6 +45,9 @@ pub struct Run {
     /// Why the figures may mislead although the run went through.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// What the constraint solver took, for engines that count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<Solver>,
     /// Position errors against the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
@@ -199,6 +203,7 @@ impl Run {
             momentum: momentum(&trace.momentum),
             turn_per_step: trace.turn_per_step,
             warning: trace.warning.clone(),
+            solver: trace.solver.as_ref().map(Solver::from),
             accuracy: trace.accuracy.map(Accuracy::new),
             structure: run.structure.as_ref().map(Structure::from),
             time: run.timing.map(|t| time(t, run.horizon.step)),

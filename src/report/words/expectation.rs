@@ -61,10 +61,9 @@ fn reason(run: &Run) -> String {
             "its steps fit the motion too, but are of order 2 and solve the joints to roundoff".to_string()
         }
         Some(c) => format!(
-            "each of its {steps} steps a simulated second is {} steps of order 2, which solve the joints {} roundoff \
+            "each of its {steps} steps a simulated second is {} steps of order 2, which solve the joints to roundoff \
              in {} µs each",
             c.stages(),
-            if c.reaches_roundoff() { "to far below" } else { "to" },
             micros(c.stages())
         ),
         None => {
@@ -156,7 +155,7 @@ mod tests {
         assert!(found[1].starts_with("As expected, for 10⁻⁹ rattle costs at most 4 times as much as dop853: "));
         let found = &sentences(&expectations(&all(9e-5, 1.7e-3, 1e-4), 1e-12))[1];
         let reason = "rattle:order=8 at 0.1 s 17 times that: each of its 10 steps a simulated second is 17 steps of \
-                      order 2, which solve the joints to far below roundoff in 10 µs each, while dop853 fits";
+                      order 2, which solve the joints to roundoff in 10 µs each, while dop853 fits";
         assert!(found.starts_with("Expected and not so") && found.contains(reason), "{found}");
         let found = super::reason(&timed_run("rattle:step=adaptive,tol=1e-6", 1.7e-3, 3e-10));
         assert!(found.starts_with("its steps fit the motion too, but are of order 2"), "{found}");

@@ -7,8 +7,9 @@ use super::node::Node;
 use crate::mechanics::JointKind;
 use crate::variational::tree::spatial::{Spatial, Wrench};
 
-/// Takes away what a wrench about the joint point has along the joint's free directions: roundoff of a difference, or of
-/// an extrapolation. Kept in the projection it cost order 8 on a pendulum a factor 60 in energy over 34 000 substeps.
+/// Takes away what a wrench about the joint point has along the joint's free directions: roundoff of a difference, or
+/// of an extrapolation. Kept in the projection it cost order 8 on a pendulum a factor 60 in energy over 34 000
+/// substeps.
 #[inline(always)]
 pub(in crate::variational) fn keep_locked(node: &Node, frame: &JointFrame, wrench: &mut Wrench) {
     let z = frame.axes.column(2);

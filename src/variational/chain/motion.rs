@@ -20,8 +20,8 @@ impl Motion {
     pub(in crate::variational) const NONE: Motion =
         Motion { dx: Vector3::new(0.0, 0.0, 0.0), s: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`, with the factor as
-    /// `2 - 2 |s|^2 / (1 + |s|^2)`: rounded next to a power of two it would be too small on average.
+    /// Change of a vector that turns with the body: `(F - 1) r = 2 / (1 + |s|^2) (s x r + s x (s x r))`, with the
+    /// factor as `2 - 2 |s|^2 / (1 + |s|^2)`: rounded next to a power of two it would be too small on average.
     #[inline(always)]
     pub(in crate::variational) fn turned(&self, r: &Vector3<f64>) -> Vector3<f64> {
         let once = self.s.cross(r);
@@ -73,8 +73,8 @@ impl RelativeMotion {
         }
     }
 
-    /// Change of the coordinates of a joint with at most three of them. For a ball joint it is the rotation vector of the
-    /// change, in the parent's joint frame.
+    /// Change of the coordinates of a joint with at most three of them. For a ball joint it is the rotation vector of
+    /// the change, in the parent's joint frame.
     pub(in crate::variational) fn travel(&self, node: &Node, frame: &JointFrame, parent: &Motion) -> Vector3<f64> {
         let along = |k: usize| {
             let axis = frame.axes.column(k).into_owned();

@@ -15,7 +15,8 @@ pub(in crate::variational) struct Node {
     pub inertia: Vector3<f64>,
     /// One over the smallest of them, 1/(kg m^2).
     pub thinnest: f64,
-    /// Where the joint sits. Elsewhere, so that rounds of the constraint iteration, which read nodes many times, do not fetch it.
+    /// Where the joint sits. Elsewhere, so that rounds of the constraint iteration, which read nodes many times, do not
+    /// fetch it.
     pub mount: Box<Mount>,
     /// Where springs, dampers and drives act along the joint's coordinates: their place in the list of forces.
     pub force: Option<usize>,
@@ -78,8 +79,8 @@ pub(in crate::variational) fn nodes(system: &System) -> Vec<Node> {
         let joint = &body.joint;
         let (mut arm, mut parent_arm) = (joint.in_child.translation.vector, joint.in_parent.translation.vector);
         if joint.kind == JointKind::Prismatic {
-            // A slider is the same wherever its rail is: the joint point is put at the centre of mass, so that a rail that is
-            // far away has no leverage. Frames that are moved by the same vector keep every position.
+            // A slider is the same wherever its rail is: the joint point is put at the centre of mass, so that a rail
+            // that is far away has no leverage. Frames that are moved by the same vector keep every position.
             parent_arm -= joint.in_parent.rotation * (joint.in_child.rotation.inverse() * arm);
             arm = Vector3::zeros();
         }

@@ -2,39 +2,34 @@
 
 use nalgebra::Vector3;
 
+use super::progress::Progress;
 use crate::variational::chain::Node;
-use crate::variational::force::jump::StepEnergy;
+use crate::variational::force::step_energy::StepEnergy;
 use crate::variational::rattle::{Failure, Rattle};
 use crate::variational::tree::spatial::Spatial;
 
-/// The part of the kinetic energy between the half kicks that may be that of the kick: of a first solution, and of one that no
-/// lower degree of the extrapolation betters. In whips of 10 to 50 links with `h |Omega|` near 1 right solutions have up to
-/// 0.31, those that were refused 0.33 to 0.94; with a bound of 0.4 a planar whip of 10 links leaps.
-pub(super) const KICKED: (f64, f64) = (0.3, 0.32);
-
 impl Rattle {
-    /// Whether there are no rows across the tree of joints.
-    pub(super) fn is_tree(&self) -> bool {
-        self.parts.as_ref().is_none_or(|parts| parts.loops.is_none())
+    /// Rows across the tree of joints.
+    pub(super) fn rows(&self) -> usize {
+        self.parts.as_ref().and_then(|parts| parts.loops.as_ref()).map_or(0, |loops| loops.rows())
     }
 
-    /// Fails where redundant rows contradict each other, so that no impulse closes the loop, and where a linkage leaps.
-    pub(super) fn refuse_false_solutions(&mut self, h: f64, rounds: usize, kicked: Option<f64>) -> Result<(), Failure> {
-        if self.is_tree() {
-            return kicked.map_or(Ok(()), |kicked| self.refuse_leap(h, kicked));
+    /// Fails where the points of a spring would pass each other, and where the step leaps.
+    pub(super) fn refuse_false_solutions(&mut self, h: f64, progress: &Progress, kicked: f64) -> Result<(), Failure> {
+        if self.rows() == 0 {
+            return if progress.exact { self.refuse_leap(h, kicked) } else { Ok(()) };
         }
-        let energy = self.step_energy(h);
-        let chain = &self.chain;
+        let (energy, rounds) = (self.step_energy(h), progress.rounds);
         let Some(loops) = self.parts.as_mut().and_then(|parts| parts.loops.as_mut()) else { return Ok(()) };
-        let open = loops.contradiction(&chain.nodes, chain.length);
-        let open = open.map(|(index, residual)| Failure::Loop { index, rounds, residual });
+        let passed = loops.passed().map(|(index, residual)| Failure::Loop { index, rounds, residual });
         let leap = loops.leap(h, energy).map(|gained| Failure::Leap { gained });
-        open.or(leap).map_or(Ok(()), Err)
+        passed.or(leap).map_or(Ok(()), Err)
     }
 
-    /// Fails where the exact linearisation has found a false solution. The joints' impulses do no work on the velocities at the
-    /// start, so the kinetic energy between the half kicks is that of the start, half the work of the step, and the energy of
-    /// the kick alone, a part `sin^2` of the angle by which the kick turns the momentum. Linkages compare two steps instead.
+    /// Fails where the exact linearisation has found a false solution. The joints' impulses do no work on the
+    /// velocities at the start, so the kinetic energy between the half kicks is that of the start, half the work of the
+    /// step, and the energy of the kick alone, a part `sin^2` of the angle by which the kick turns the momentum.
+    /// Linkages compare two steps instead.
     fn refuse_leap(&self, h: f64, kicked: f64) -> Result<(), Failure> {
         let (energy, start) = (self.step_energy(h), self.kinetic_energy());
         let (gained, kinetic) = (energy.kinetic - start - 0.5 * energy.work, energy.kinetic.max(start));

@@ -9,10 +9,10 @@ pub struct Counters {
     pub solves: u64,
     /// Rounds of the constraint iteration, those of solves that failed included.
     pub rounds: u64,
-    /// Those of them with the exact linearisation, each of which factorises anew.
+    /// Exact linearisations, each of which factorises anew.
     pub refactorisations: u64,
-    /// Solves that began again from an extrapolation of a lower degree.
-    pub degree_drops: u64,
+    /// Solves that began again, from no impulses.
+    pub restarts: u64,
     /// How many solves each of [`Ending::ALL`] has ended.
     endings: [u64; Ending::ALL.len()],
 }

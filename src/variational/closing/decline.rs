@@ -1,11 +1,13 @@
 //! What the rounds of the constraint iteration leave below roundoff.
 //!
-//! A measured residual ceases to decrease at the roundoff of the motions. Behind that noise, what the corrections leave goes on
-//! decreasing as it did above. It comes from the extrapolated wrenches and so depends on where the motion comes from: it has the
-//! same sign for many steps, both ways of a swing, and the energy drifts by it. Roundoff that depends on the present state alone does no such harm.
+//! A measured residual ceases to decrease at the roundoff of the motions. Behind that noise, what the corrections leave
+//! goes on decreasing as it did above. It comes from the extrapolated wrenches and so depends on where the motion comes
+//! from: it has the same sign for many steps, both ways of a swing, and the energy drifts by it. Roundoff that depends
+//! on the present state alone does no such harm.
 //!
-//! At order 8 and 2 ms a chain of three links that is left with 1e-10 of roundoff loses 1.5e-22 +- 4e-23 of its energy scale a solve (24 runs
-//! of 1e7 solves), with 1e-13 7e-23 +- 4e-23; a four-bar with 1e-6 loses 2.5e-22 +- 5e-23, and 3.3e-22 +- 6e-23 when it turns the other way.
+//! At order 8 and 2 ms a chain of three links that is left with 1e-10 of roundoff loses 1.5e-22 +- 4e-23 of its energy
+//! scale a solve (24 runs of 1e7 solves), with 1e-13 7e-23 +- 4e-23; a four-bar with 1e-6 loses 2.5e-22 +- 5e-23, and
+//! 3.3e-22 +- 6e-23 when it turns the other way.
 
 use super::stop::LIMITS;
 
@@ -75,8 +77,8 @@ impl Decline {
 mod tests {
     use super::*;
 
-    /// The number of rounds before the last correction, with residuals that fall from 1e-9 m by `rate` a round down to a noise, and a
-    /// roundoff of 1e-17 m.
+    /// The number of rounds before the last correction, with residuals that fall from 1e-9 m by `rate` a round down to
+    /// a noise, and a roundoff of 1e-17 m.
     fn rounds(rate: f64, noise: f64, guess: f64) -> usize {
         let mut decline = Decline::new(guess);
         let residual = |round: i32| 1e-9 * rate.powi(round) + noise * (1.0 + 0.3 * f64::from(round).sin());

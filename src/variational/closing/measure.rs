@@ -6,30 +6,30 @@ use super::progress::Measured;
 use crate::variational::chain::{RelativeMotion, coordinates_of};
 use crate::variational::force::Parts;
 use crate::variational::rattle::failure::Open;
-use crate::variational::rattle::kick::blocks;
 use crate::variational::rattle::project::RETURN;
 use crate::variational::rattle::{Failure, Rattle};
 
 impl Rattle {
-    /// (2) for all nodes.
-    pub(super) fn drift(&mut self, h: f64) -> Result<(), Failure> {
-        (1..self.chain.nodes.len()).try_for_each(|i| self.drift_body(h, i))
-    }
-
     /// (2) after the last correction. Springs, drives and loops keep what they measure for the second half kick.
     pub(super) fn drift_at_last(&mut self, h: f64) -> Result<(), Failure> {
         match &self.parts {
             None => self.drift(h),
-            Some(_) => self.drift_and_measure(h, self.chain.nodes.len()).map(drop),
+            Some(_) => self.drift_and_measure(h).map(drop),
         }
     }
 
-    /// (2), and what it leaves open of (3), of the nodes before `end`.
-    pub(super) fn drift_and_measure(&mut self, h: f64, end: usize) -> Result<Measured, Failure> {
+    /// (2), and what it leaves open of (3).
+    pub(super) fn drift_and_measure(&mut self, h: f64) -> Result<Measured, Failure> {
         let measured = match &self.parts {
-            None => self.drift_and_measure_joints::<false>(h, end)?,
+            None => {
+                self.drift(h)?;
+                self.measure_joints(h, |rattle, i| rattle.roundoff_of_motion(h, i))
+            }
             Some(_) => {
-                let mut measured = self.drift_and_measure_joints::<true>(h, end)?;
+                self.drift_heavy(h)?;
+                let mut measured = self.measure_joints(h, |rattle, i| {
+                    if rattle.chain.nodes[i].light { 0.0 } else { rattle.roundoff_of_motion(h, i) }
+                });
                 self.measure_parts(h, &mut measured);
                 measured
             }
@@ -43,30 +43,35 @@ impl Rattle {
         }
     }
 
-    /// (2), and the joints' mismatch over `-h`. `LIGHT` is whether there are bodies that are moved by their twists.
-    fn drift_and_measure_joints<const LIGHT: bool>(&mut self, h: f64, end: usize) -> Result<Measured, Failure> {
+    /// (2) for all nodes.
+    fn drift(&mut self, h: f64) -> Result<(), Failure> {
+        (1..self.chain.nodes.len()).try_for_each(|i| self.drift_body(h, i))
+    }
+
+    /// The same but for light bodies, which are moved by their twists.
+    fn drift_heavy(&mut self, h: f64) -> Result<(), Failure> {
+        for i in 1..self.chain.nodes.len() {
+            if !self.chain.nodes[i].light {
+                self.drift_body(h, i)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The joints' mismatch over `-h`; `roundoff` is what it may do to the motion of a body, over `f64::EPSILON`, m.
+    #[inline(always)]
+    fn measure_joints(&mut self, h: f64, roundoff_of: impl Fn(&Rattle, usize) -> f64) -> Measured {
         // Of a system at rest, what is taken back of the mismatch is all that there is to be resolved.
         let (mut worst, mut joint, mut roundoff) = (0.0, 0, RETURN * self.chain.length);
-        if end == self.chain.nodes.len() {
-            std::mem::swap(&mut self.trial.open, &mut self.trial.open_before);
-        }
-        for block in blocks(1..end) {
-            for i in block.clone() {
-                if !(LIGHT && self.chain.nodes[i].light) {
-                    self.drift_body(h, i)?;
-                }
+        for i in 1..self.chain.nodes.len() {
+            let (size, noise) = (self.measure_joint(h, i), roundoff_of(self, i));
+            // What is not a number stays the worst.
+            if size > worst || !(size + noise).is_finite() {
+                (worst, joint) = (size + 0.0 * noise, i - 1);
             }
-            block.for_each(|i| {
-                let size = self.measure_joint(h, i);
-                let noise = if LIGHT && self.chain.nodes[i].light { 0.0 } else { self.roundoff_of_motion(h, i) };
-                // What is not a number stays the worst.
-                if size > worst || !(size + noise).is_finite() {
-                    (worst, joint) = (size + 0.0 * noise, i - 1);
-                }
-                roundoff = noise.max(roundoff);
-            });
+            roundoff = noise.max(roundoff);
         }
-        Ok(Measured { place: Open::Joint(joint), residual: worst, roundoff: f64::EPSILON * roundoff })
+        Measured { place: Open::Joint(joint), residual: worst, roundoff: f64::EPSILON * roundoff }
     }
 
     /// (2)
@@ -99,7 +104,6 @@ impl Rattle {
         let gap = moved.locked(node, frame, parent) + self.now.gap0[i];
         let size = gap.linear.norm() + self.chain.length * gap.angular.norm();
         trial.bias[i] = gap.scaled(-1.0 / h);
-        trial.open[i] = size;
         size
     }
 
@@ -111,7 +115,8 @@ impl Rattle {
         trial.motion.dx.norm() + self.chain.length * trial.hm.norm() * node.thinnest + pull
     }
 
-    /// The same for springs, drives and light bodies, by how far they move what they act on, and for what holds across the tree.
+    /// The same for springs, drives and light bodies, by how far they move what they act on, and for what holds across
+    /// the tree.
     fn measure_parts(&mut self, h: f64, most: &mut Measured) {
         self.measure_joint_forces(h, most);
         if self.parts.as_ref().is_some_and(|parts| !parts.light.is_empty()) {

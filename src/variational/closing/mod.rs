@@ -1,4 +1,5 @@
-//! The constraints at the end of the drift, (1) to (3) of [`super::rattle`]: predict, drift, measure, correct, until roundoff.
+//! The constraints at the end of the drift, (1) to (3) of [`super::rattle`]: predict, drift, measure, correct, until
+//! roundoff.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -7,7 +8,6 @@
 //! | [`predict`] | where it starts |
 //! | [`measure`] | the drift, and what it leaves open |
 //! | [`correct`] | a round of the chord iteration, and one with the exact linearisation |
-//! | [`tail`] | rounds on the base of a long chain alone |
 //! | [`accept`] | the refusal of false solutions |
 
 mod accept;
@@ -19,4 +19,3 @@ mod measure;
 mod predict;
 mod progress;
 pub(super) mod stop;
-mod tail;

@@ -2,7 +2,7 @@
 
 use crate::variational::chain::keep_locked;
 use crate::variational::rattle::Rattle;
-use crate::variational::rattle::kick::{blocks, kick_joint};
+use crate::variational::rattle::kick::kick_joint;
 use crate::variational::tree::spatial::Spatial;
 
 impl Rattle {
@@ -15,15 +15,16 @@ impl Rattle {
         let (gravity, nodes, now) = (self.first_kick(h), &self.chain.nodes, &self.now);
         let (predictor, wrench, bodies) = (&self.memory.predictor, &mut self.trial.wrench, &mut self.trial.bodies);
         let weights = degree.map(|degree| predictor.weights(time, h, degree));
-        for block in blocks(1..nodes.len()) {
-            for i in block.clone() {
-                wrench[i] = weights.map_or(Spatial::ZERO, |w| predictor.impulse(&w, i, &now.pose[i]));
-            }
-            for i in block.clone().filter(|&i| nodes[i].force.is_none()) {
+        for i in 1..nodes.len() {
+            wrench[i] = weights.map_or(Spatial::ZERO, |w| predictor.impulse(&w, i, &now.pose[i]));
+            if nodes[i].force.is_none() {
                 keep_locked(&nodes[i], &now.frames[i], &mut wrench[i]);
             }
-            block.for_each(|i| kick_joint(bodies, nodes, &now.frames, i, &gravity, &wrench[i]));
+        }
+        for i in 1..nodes.len() {
+            kick_joint(bodies, nodes, &now.frames, i, &gravity, &wrench[i]);
         }
         self.kick_parts();
+        self.start_light(h);
     }
 }

@@ -1,7 +1,7 @@
 //! How far a solve has come: its residuals, held against the rules of [`super::stop`].
 
 use super::decline::Decline;
-use super::stop::{Ending, LIMITS, last_round};
+use super::stop::{Ending, LIMITS, Trust};
 use crate::variational::rattle::failure::Open;
 
 /// What the motions of a trial leave open.
@@ -28,64 +28,67 @@ pub(super) enum Verdict {
     GiveUp,
 }
 
-/// The residuals of the rounds so far.
+/// The residuals of the rounds so far, and the factors of the next one.
 #[derive(Debug)]
 pub(super) struct Progress {
     /// m
     tolerance: f64,
-    /// Whether the system is a tree, without rows across it.
-    tree: bool,
+    /// Rows across the tree.
+    rows: usize,
+    pub trust: Trust,
     /// The residual of the last round, m.
     last: f64,
     pub rounds: usize,
-    /// Whether rounds are taken with the exact linearisation.
+    /// Whether the factors are those of an exact linearisation, and whether it is made where the next round begins.
     pub exact: bool,
-    slow: bool,
+    pub factorise: bool,
     decline: Option<Decline>,
 }
 
 impl Progress {
     /// `unbiased` is a guess of the part of a residual that a round leaves, where the iteration goes on below roundoff.
-    pub(super) fn new(tolerance: f64, tree: bool, unbiased: Option<f64>) -> Progress {
+    pub(super) fn new(tolerance: f64, rows: usize, trust: Trust, unbiased: Option<f64>) -> Progress {
         let decline = unbiased.map(Decline::new);
-        Progress { tolerance, tree, last: f64::INFINITY, rounds: 0, exact: false, slow: false, decline }
+        let last = f64::INFINITY;
+        Progress { tolerance, rows, trust, last, rounds: 0, exact: false, factorise: false, decline }
     }
 
-    /// Holds a residual of the next round against the rules.
+    /// Holds the residual (m) before the next round against the rules.
     pub(super) fn judge(&mut self, residual: f64, roundoff: f64) -> Verdict {
         let contraction = if self.rounds == 0 { 1.0 } else { residual / self.last };
-        let (hidden, last_round) = match &mut self.decline {
-            None => (false, last_round(self.tree, residual, contraction, roundoff)),
-            Some(decline) => {
-                decline.follow(residual, roundoff, self.exact);
-                let ends = decline.ends() || (decline.hidden() && self.rounds + 1 >= LIMITS.rounds);
-                (decline.hidden(), ends.then_some(Ending::Unbiased))
-            }
-        };
+        let last_round = |residual: f64| LIMITS.last_round(self.rows == 0, residual, contraction, roundoff);
+        let mut last = last_round(residual);
+        // The exact linearisation costs about a round, and another one for each row, which is solved for alone; mostly
+        // the round after it is the last.
+        let cost = 2 + self.rows as i32;
+        let slow = self.rounds > 0 && last_round(residual * contraction.powi(cost)).is_none();
+        if let Some(decline) = &mut self.decline {
+            decline.follow(residual, roundoff, self.factorise);
+            let ends = decline.ends() || (decline.hidden() && self.rounds + 1 >= LIMITS.rounds);
+            last = ends.then_some(Ending::Unbiased);
+        }
         if residual <= self.tolerance {
             return Verdict::Closed(Ending::Tolerance);
         }
-        let falls_to = |part: f64| residual <= part * self.last;
-        if self.decline.is_none() && !falls_to(LIMITS.stagnant) && residual <= LIMITS.noise(self.exact) * roundoff {
+        let left = |part: f64| !(residual <= part * self.last);
+        let noise = residual <= LIMITS.noise(self.factorise) * roundoff;
+        if self.decline.is_none() && left(LIMITS.stagnant) && noise {
             return Verdict::Closed(Ending::Stagnant);
         }
-        self.slow = !falls_to(LIMITS.slow) && !hidden;
-        let hopeless = self.exact && self.rounds > LIMITS.exact_patience && !falls_to(LIMITS.hopeless) && !hidden;
+        let hopeless = match self.trust {
+            Trust::Eager => self.factorise && left(LIMITS.promised) && !noise,
+            Trust::Careful => self.exact && self.rounds > LIMITS.exact_patience && left(LIMITS.hopeless) && !noise,
+        };
         if self.rounds == LIMITS.rounds || hopeless {
             return Verdict::GiveUp;
         }
-        last_round.map_or(Verdict::GoOn, Verdict::LastRound)
-    }
-
-    /// Whether the last round has not stagnated.
-    pub(super) fn falls(&self, residual: f64) -> bool {
-        residual <= LIMITS.stagnant * self.last
-    }
-
-    /// Whether the exact linearisation is called for from now on.
-    pub(super) fn turns_exact(&mut self) -> bool {
-        self.exact |= self.slow && self.rounds >= LIMITS.patience;
-        self.exact
+        let slow = match self.trust {
+            Trust::Eager => slow,
+            Trust::Careful => self.exact || (self.rounds >= LIMITS.patience && left(LIMITS.slow)),
+        };
+        self.factorise = slow && last.is_none() && !(residual <= LIMITS.noise * roundoff);
+        self.exact |= self.factorise;
+        last.map_or(Verdict::GoOn, Verdict::LastRound)
     }
 
     /// Goes on to the next round, after a correction of a residual, m.
@@ -93,7 +96,8 @@ impl Progress {
         (self.last, self.rounds) = (residual, self.rounds + 1);
     }
 
-    /// The part of a residual that a round of the chord iteration leaves, where that was seen in this step, above roundoff.
+    /// The part of a residual that a round of the chord iteration leaves, where that was seen in this step, above
+    /// roundoff.
     pub(super) fn contraction(&self) -> Option<f64> {
         self.decline.as_ref().and_then(Decline::seen).filter(|_| !self.exact)
     }

@@ -4,7 +4,8 @@
 //! Lagrangian and the discrete force (Marsden and West 2001, sections 3.2 and 4.1) are
 //!
 //! ```text
-//! L_d:  -h V(theta_m, t_m) ,   V = k/2 (theta_m - rest)^2 - u(t_m) theta_m ,   theta_m = theta0 + d/2 ,   t_m = t0 + h/2
+//! L_d:  -h V(theta_m, t_m) ,   V = k/2 (theta_m - rest)^2 - u(t_m) theta_m ,
+//!       theta_m = theta0 + d/2 ,   t_m = t0 + h/2
 //! F_d:  -c d/2  at either end ,
 //! ```
 //!
@@ -14,24 +15,27 @@
 //! S . w = h/2 (u(t_m) - k Delta0) - (h k/4 + c/2) d .                                                     (1)
 //! ```
 //!
-//! A damper that is fast beside the step needs more: with the impulse (1) at both ends the velocity at the end of a step keeps
-//! the error `O(h^2)` of the step before with its sign turned, and the power `c thetadot^2` that it stands for is beyond all
-//! bounds. So a part `w` of the damper's impulse in the second half kick goes with the velocity at the end, which the
-//! projection finds,
+//! A damper that is fast beside the step needs more: with the impulse (1) at both ends the velocity at the end of a
+//! step keeps the error `O(h^2)` of the step before with its sign turned, and the power `c thetadot^2` that it stands
+//! for is beyond all bounds. So a part `w` of the damper's impulse in the second half kick goes with the velocity at
+//! the end, which the projection finds,
 //!
 //! ```text
-//! S . w1 = h/2 (u(t_m) - k Delta0) - (h k/4 + (1 - w) c/2) d - w h c/2 thetadot1 ,   w = max(0, 1 - 1/z^2) ,   z = h c / J     (2)
+//! S . w1 = h/2 (u(t_m) - k Delta0) - (h k/4 + (1 - w) c/2) d - w h c/2 thetadot1 ,                      (2)
+//! w = max(0, 1 - 1/z^2) ,   z = h c / J
 //! ```
 //!
-//! with `J` the articulated inertia along the joint at the start. A velocity along the joint decays by `1 / (1 + z/2)^2` a step
-//! as `z` grows, and not by -1. Where the damper's rate `c / J` is below `1/h` nothing changes, so that the order stays 2.
+//! with `J` the articulated inertia along the joint at the start. A velocity along the joint decays by `1 / (1 +
+//! z/2)^2` a step as `z` grows, and not by -1. Where the damper's rate `c / J` is below `1/h` nothing changes, so that
+//! the order stays 2.
 //!
-//! The quadrature is the midpoint rule, in position and in time: of order 2, and its own adjoint, so that the step stays
-//! time-reversible and composes to higher order. A substep backwards in time evaluates the drive at its own midpoint.
+//! The quadrature is the midpoint rule, in position and in time: of order 2, and its own adjoint, so that the step
+//! stays time-reversible and composes to higher order. A substep backwards in time evaluates the drive at its own
+//! midpoint.
 //!
-//! (1) is solved with the joint's constraint, for `w`: a change of `w` moves the joint through the tree, whose block `D`
-//! grows by `h (h k/4 + c/2)`. The impulse along the joint stays of the size of the load however large `k` is, and as
-//! `k -> infinity` it becomes the impulse with which a rigid joint holds its coordinate: the stiff limit is well
+//! (1) is solved with the joint's constraint, for `w`: a change of `w` moves the joint through the tree, whose block
+//! `D` grows by `h (h k/4 + c/2)`. The impulse along the joint stays of the size of the load however large `k` is, and
+//! as `k -> infinity` it becomes the impulse with which a rigid joint holds its coordinate: the stiff limit is well
 //! conditioned. The deflection `Delta`, and not the angle, is carried as a compensated sum of the changes `d`, so that
 //! `k` multiplies its roundoff and not that of the angle.
 
@@ -136,7 +140,8 @@ impl JointForce {
         h * self.slope
     }
 
-    /// Takes in the change of the coordinates with the wrench `w` on the child. Returns by how much `S . w` exceeds (1).
+    /// Takes in the change of the coordinates with the wrench `w` on the child. Returns by how much `S . w` exceeds
+    /// (1).
     pub(in crate::variational) fn excess(&mut self, travel: Vector3<f64>, impulse: Vector3<f64>) -> Vector3<f64> {
         (self.travel, self.impulse) = (travel, impulse);
         let mut excess = impulse + self.slope * travel;
@@ -165,7 +170,8 @@ impl JointForce {
         0.5 * self.stiffness * (self.deflection.value.x - 0.5 * self.travel.x).powi(2)
     }
 
-    /// The impulse of the second half kick, on the child about its joint point, but for what goes with the velocity at the end.
+    /// The impulse of the second half kick, on the child about its joint point, but for what goes with the velocity at
+    /// the end.
     pub(in crate::variational) fn second_half(&self, node: &Node, frame: &JointFrame) -> Wrench {
         wrench_of_coordinates(node, frame, &(self.impulse + self.late * self.travel))
     }

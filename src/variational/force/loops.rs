@@ -1,10 +1,10 @@
 //! The bonds of a system in a step: their impulses, and the solves that find them.
 //!
-//! Every solve goes in two passes over the tree: one without the rows, one with the impulses that bring the rows to what
-//! they must see ([`super::rows`]).
+//! Every solve goes in two passes over the tree: one without the rows, one with the impulses that bring the rows to
+//! what they must see ([`super::rows`]).
 
 use super::bond::{Bond, bonds};
-use super::jump::{JUMP, StepEnergy};
+use super::step_energy::StepEnergy;
 use crate::mechanics::System;
 use crate::variational::chain::{JointFrame, Node, Pose};
 use crate::variational::predictor::{self, Predictor};
@@ -25,15 +25,15 @@ pub(in crate::variational) struct Loops {
     pub(super) rigid: usize,
     /// Impulses of the first half kick along the rows.
     pub(super) nu: Vec<f64>,
-    /// What the rows are short of, m or rad, as measured and as far as impulses can change it.
+    /// What the rows are short of, m or rad, and by how much that moves the bodies.
     pub(super) gap: Vec<f64>,
-    pub(super) reachable: Vec<f64>,
+    pub(super) moves: Vec<f64>,
     /// By how much a spring's gap moves the bodies, over the gap: 1 where it is rigid, 0 where it has no stiffness.
     pub(super) grip: Vec<f64>,
     pub(super) x: Vec<f64>,
     pub(super) compliance: Vec<f64>,
-    /// The Schur complement of the constraints, and of all rows in the first half kick where there are springs or the joints
-    /// have forces of their own.
+    /// The Schur complement of the constraints, and of all rows in the first half kick where there are springs or the
+    /// joints have forces of their own.
     pub(super) hold: Schur,
     pub(super) drift: Option<Schur>,
     /// The Schur complement of the exact linearisation.
@@ -47,11 +47,7 @@ pub(in crate::variational) struct Loops {
     /// Energies of the last step and of the one that is being tried.
     pub(super) last: Option<StepEnergy>,
     pub(super) tried: StepEnergy,
-    /// The part of the kinetic energy that the step which is being tried takes from nowhere or loses, beyond what a turning point
-    /// explains, and the largest of the steps that were taken with its time (s), once past [`JUMP`].
-    pub(super) tried_jump: f64,
-    pub(super) jump: Option<(f64, f64)>,
-    /// The same for each row of a spring: its impulse of a half kick, and how fast it gets longer.
+    /// For each row of a spring: its impulse of a half kick, and how fast it gets longer.
     pub(super) last_pulls: Vec<(f64, f64)>,
     pub(super) tried_pulls: Vec<(f64, f64)>,
 }
@@ -76,7 +72,7 @@ impl Loops {
                 rigid,
                 nu: vec![0.0; rows],
                 gap: vec![0.0; rows],
-                reachable: vec![0.0; rows],
+                moves: vec![0.0; rows],
                 grip: vec![1.0; rows],
                 x: vec![0.0; rows],
                 compliance: vec![0.0; springs],
@@ -89,13 +85,16 @@ impl Loops {
                 predictor: Predictor::new(entries, predictor::FULL),
                 last: None,
                 tried: StepEnergy::default(),
-                tried_jump: 0.0,
-                jump: None,
                 last_pulls: vec![(0.0, 0.0); springs],
                 tried_pulls: vec![(0.0, 0.0); springs],
                 bonds,
             })
         })
+    }
+
+    /// Number of rows.
+    pub(in crate::variational) fn rows(&self) -> usize {
+        self.rows.len()
     }
 
     /// Independent rows of the constraints.
@@ -178,21 +177,18 @@ impl Loops {
         &mut self.twist
     }
 
-    /// Takes over the state of the same bonds in another copy of the integrator; configuration and factors are made anew.
+    /// Takes over the state of the same bonds in another copy of the integrator; configuration and factors are made
+    /// anew.
     pub(in crate::variational) fn copy_from(&mut self, other: &Loops) {
         self.bonds.iter_mut().zip(&other.bonds).for_each(|(bond, from)| bond.copy_from(from));
         self.nu.copy_from_slice(&other.nu);
         self.predictor.copy_from(&other.predictor);
         (self.last, self.tried) = (other.last, other.tried);
-        (self.jump, self.tried_jump) = (other.jump, other.tried_jump);
         self.last_pulls.copy_from_slice(&other.last_pulls);
     }
 
     /// Takes over what the accepted step has changed; `back` is the part of a difference that one step takes away.
-    pub(in crate::variational) fn accept(&mut self, time: f64, back: f64) {
-        if self.tried_jump > self.jump.map_or(JUMP, |(largest, _)| largest) {
-            self.jump = Some((self.tried_jump, time));
-        }
+    pub(in crate::variational) fn accept(&mut self, back: f64) {
         self.bonds.iter_mut().for_each(|bond| bond.accept(back));
         self.last = Some(self.tried);
         self.last_pulls.copy_from_slice(&self.tried_pulls);
@@ -201,11 +197,5 @@ impl Loops {
     /// The potential of the springs between points in the middle of the last step, J.
     pub(in crate::variational) fn potential(&self) -> f64 {
         self.bonds.iter().map(Bond::potential).sum()
-    }
-
-    /// The largest part of the kinetic energy that a step took from nowhere or lost, and its time, s: where a linkage passed a
-    /// singular configuration within a step.
-    pub(in crate::variational) fn jump(&self) -> Option<(f64, f64)> {
-        self.jump
     }
 }

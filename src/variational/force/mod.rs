@@ -4,9 +4,10 @@
 
 pub(super) mod bond;
 pub(super) mod joint;
-pub(super) mod jump;
+mod leap;
 pub(super) mod loops;
 pub(super) mod parts;
 pub(super) mod solve;
+pub(super) mod step_energy;
 
 pub(super) use parts::Parts;

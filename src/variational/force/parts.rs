@@ -8,12 +8,14 @@ use crate::mechanics::{State, System};
 use crate::variational::chain::Node;
 use crate::variational::tree::Tree;
 
-/// Springs, dampers and drives along the coordinates of joints, rows across the tree, and bodies with next to no inertia.
+/// Springs, dampers and drives along the coordinates of joints, rows across the tree, and bodies with next to no
+/// inertia.
 #[derive(Clone, Debug)]
 pub(in crate::variational) struct Parts {
     /// What acts along the joints' coordinates.
     pub forces: Vec<JointForce>,
-    /// Where that depends on the motion: the factorisation with its implicit part, which (3) needs and (5) must not have.
+    /// Where that depends on the motion: the factorisation with its implicit part, which (3) needs and (5) must not
+    /// have.
     pub implicit: Option<Tree>,
     /// By how much `S . wrench` of a joint exceeds the impulse of its own forces.
     pub excess: Vec<Vector3<f64>>,

@@ -1,23 +1,21 @@
 //! Solves for the impulses along the rows.
 
-use nalgebra::Vector6;
+use nalgebra::Vector3;
 
 use super::bond::{Bond, Trying};
 use super::loops::Loops;
+use crate::mechanics::RANK;
 use crate::variational::chain::{JointFrame, Motion, Node};
+use crate::variational::tree::Tree;
 use crate::variational::tree::newton::Newton;
 use crate::variational::tree::row::Row;
 use crate::variational::tree::spatial::{Twist, Wrench};
-use crate::variational::tree::{Singular, Tree};
-
-/// A row of the exact linearisation whose velocity is this part of that on free bodies is implied by the others.
-const RANK: f64 = 1e-10;
 
 /// The bond that is farthest from closed.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::variational) struct Worst {
     pub bond: usize,
-    /// What impulses along the rows can still change, m; angles times the system's length.
+    /// By how much the bodies would have to move, m; angles times the system's length.
     pub size: f64,
     /// What roundoff may do to it, over `f64::EPSILON`, m.
     pub roundoff: f64,
@@ -51,10 +49,8 @@ impl Loops {
             // What is not a number stays.
             roundoff = if noise > roundoff || noise.is_nan() { noise } else { roundoff };
         }
-        self.reachable.copy_from_slice(&self.gap);
-        self.drift.as_mut().unwrap_or(&mut self.hold).keep_reachable(&mut self.reachable);
-        self.reachable.iter_mut().zip(&self.grip).for_each(|(gap, grip)| *gap *= grip);
-        let (bond, size) = worst(&self.bonds, nodes, &self.reachable, length);
+        self.moves.iter_mut().zip(&self.gap).zip(&self.grip).for_each(|((moves, gap), grip)| *moves = gap * grip);
+        let (bond, size) = worst(&self.bonds, nodes, &self.moves, length);
         Worst { bond, size, roundoff }
     }
 
@@ -63,7 +59,6 @@ impl Loops {
         &mut self,
         h: f64,
         tree: &mut Tree,
-        nodes: &[Node],
         frames: &[JointFrame],
         mut add: impl FnMut(usize, Wrench),
     ) {
@@ -73,41 +68,35 @@ impl Loops {
         self.drift.as_mut().unwrap_or(&mut self.hold).solve(&mut self.x);
         self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
         let (rows, x) = (&self.rows, &self.x);
-        tree.respond(nodes, frames, |rhs| load(rows, x, rhs), |i, _, f| add(i, f));
+        tree.respond(frames, |rhs| load(rows, x, rhs), |i, _, f| add(i, f));
     }
 
-    /// The second pass of a round with the exact linearisation, after [`Newton::correct`].
-    ///
-    /// # Errors
-    /// A block that cannot be inverted.
+    /// The second pass of a round with the exact linearisation, after [`Newton::solve`].
     pub(in crate::variational) fn correct_exactly(
         &mut self,
         h: f64,
         newton: &mut Newton,
         at: &Trying,
         mut add: impl FnMut(usize, Wrench),
-    ) -> Result<(), Singular> {
+    ) {
         self.exact_residual(h, newton, at);
-        self.factorise_exactly(newton, at)?;
         let schur = self.drift.as_ref().unwrap_or(&self.hold);
         schur.apply_scale(&mut self.x);
         self.exact.solve(&mut self.x);
         schur.apply_scale(&mut self.x);
         self.nu.iter_mut().zip(&self.x).for_each(|(nu, change)| *nu += change);
         let (rows, x) = (&self.rows, &self.x);
-        let load = |rhs: &mut [Vector6<f64>]| {
-            for (row, x) in rows.iter().zip(x) {
-                row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector() * *x);
-            }
-        };
-        newton.respond(at.nodes, at.frames, load, &mut add)
+        newton.unload();
+        for (row, x) in rows.iter().zip(x) {
+            row.ends().iter().for_each(|(i, w)| newton.load(*i, w.scaled(*x)));
+        }
+        newton.solve(at.nodes, at.frames, |_| Vector3::zeros(), &mut add);
     }
 
     /// What the rows at the end of the motions must still see after the first pass.
     fn exact_residual(&mut self, h: f64, newton: &Newton, at: &Trying) {
         for bond in &self.bonds {
             let rows = bond.rows();
-            bond.rows_after(at, &mut self.rows_after);
             bond.targets_after(h, at.motion, &self.gap[rows.clone()], &mut self.x[rows]);
         }
         read_twists(newton, &mut self.twist);
@@ -117,12 +106,14 @@ impl Loops {
     }
 
     /// The complement of the rows at the end of the motions and the impulses along the rows at their start.
-    fn factorise_exactly(&mut self, newton: &mut Newton, at: &Trying) -> Result<(), Singular> {
+    pub(in crate::variational) fn factorise_exactly(&mut self, newton: &mut Newton, at: &Trying) {
+        self.bonds.iter().for_each(|bond| bond.rows_after(at, &mut self.rows_after));
         let schur = self.drift.as_ref().unwrap_or(&self.hold);
         for k in 0..self.rows.len() {
             let row = &self.rows[k];
-            let load = |rhs: &mut [Vector6<f64>]| row.ends().iter().for_each(|(i, w)| rhs[*i] += w.to_vector());
-            newton.respond(at.nodes, at.frames, load, |_, _| {})?;
+            newton.unload();
+            row.ends().iter().for_each(|(i, w)| newton.load(*i, *w));
+            newton.solve(at.nodes, at.frames, |_| Vector3::zeros(), |_, _| ());
             read_twists(newton, &mut self.twist);
             let column = self.exact.column_mut(k);
             for (entry, row) in column.iter_mut().zip(&self.rows_after) {
@@ -135,7 +126,6 @@ impl Loops {
             schur.apply_scale(column);
         }
         self.exact.factorise(RANK);
-        Ok(())
     }
 
     /// After the first pass of a projection of the momenta: the impulses along the constraints' rows that make their
@@ -154,7 +144,7 @@ fn read_twists(newton: &Newton, twist: &mut [Twist]) {
     twist.iter_mut().enumerate().skip(1).for_each(|(i, twist)| *twist = newton.motion(i));
 }
 
-pub(super) fn worst(bonds: &[Bond], nodes: &[Node], gap: &[f64], length: f64) -> (usize, f64) {
+fn worst(bonds: &[Bond], nodes: &[Node], gap: &[f64], length: f64) -> (usize, f64) {
     let mut worst = (0, 0.0);
     for (index, bond) in bonds.iter().enumerate() {
         let size = bond.size(nodes, &gap[bond.rows()], length);

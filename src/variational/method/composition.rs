@@ -99,12 +99,6 @@ impl Composition {
         2 * self.half.len() + 1
     }
 
-    /// Whether roundoff may be all that is left of the energy error at usual steps: it must have no bias then
-    /// ([`crate::variational::Rattle::with_unbiased_roundoff`]).
-    pub fn reaches_roundoff(&self) -> bool {
-        self.order >= 6
-    }
-
     /// The weights in the order of the substeps.
     pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
         let middle = 1.0 - 2.0 * self.half.iter().sum::<f64>();

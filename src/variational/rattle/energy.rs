@@ -11,14 +11,15 @@ pub(in crate::variational) struct DiscreteEnergy {
 }
 
 impl Rattle {
-    /// The discrete energy of the step of size `h` (s) that was taken last (Marsden and West 2001, sections 4.5 and 4.9),
+    /// The discrete energy of the step of size `h` (s) that was taken last (Marsden and West 2001, sections 4.5 and
+    /// 4.9),
     ///
     /// ```text
     /// E_d = -d/dh L_d(q0, q1, h) = sum_b m |x1 - x0|^2 / (2 h^2) + T_b(F)/h^2 - m g . (x0 + x1)/2 + V_s(q0, q1)
     /// ```
     ///
-    /// at fixed ends, where `T_b / h` is the rotational part of `L_d` ([`Rotation::action`]) and `V_s` the potential of the
-    /// springs in the middle of the step. For a system without dampers and drives.
+    /// at fixed ends, where `T_b / h` is the rotational part of `L_d` ([`Rotation::action`]) and `V_s` the potential of
+    /// the springs in the middle of the step. For a system without dampers and drives.
     pub(in crate::variational) fn discrete_energy(&self, h: f64) -> DiscreteEnergy {
         let (mut kinetic, mut potential, mut size) = (0.0, 0.0, 0.0);
         for i in 1..self.chain.nodes.len() {

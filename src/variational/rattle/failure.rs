@@ -9,13 +9,13 @@ pub enum Failure {
     Constraint { joint: usize, rounds: usize, residual: f64 },
     /// A loop, coupling or spring does not close, or cannot: the index among loops, then couplings, then springs.
     Loop { index: usize, rounds: usize, residual: f64 },
-    /// The step would go to another solution of its equations, with this part of the kinetic energy from nowhere: near a
-    /// singular configuration of a linkage, or with `h |Omega|` near 1.
+    /// The step would go to another solution of its equations, with this part of the kinetic energy from nowhere: near
+    /// a singular configuration of a linkage, or with `h |Omega|` near 1.
     Leap { gained: f64 },
     /// An adaptive step (s) has become too short for the time to advance.
     Stalled { step: f64 },
-    /// No step keeps the discrete energy (J) of [`super::super::EnergyMomentum`]; the nearest that was tried (s) misses it by
-    /// `missed`, J.
+    /// No step keeps the discrete energy (J) of [`super::super::EnergyMomentum`]; the nearest that was tried (s) misses
+    /// it by `missed`, J.
     NoStep { step: f64, energy: f64, missed: f64 },
     /// A joint can move without moving any mass.
     Singular { joint: usize },

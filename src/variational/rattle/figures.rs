@@ -5,14 +5,16 @@ use crate::variational::closing::counters::Counters;
 use crate::variational::force::loops::Loops;
 
 impl Rattle {
-    /// The body that the forces in the joints would swing fastest, by index, and how fast, rad/s: a body with the forces `F_j` at
-    /// the joint points `r_j` from its centre of mass turns about its own joint, at `r_0`, like a pendulum,
+    /// The body that the forces in the joints would swing fastest, by index, and how fast, rad/s: a body with the
+    /// forces `F_j` at the joint points `r_j` from its centre of mass turns about its own joint, at `r_0`, like a
+    /// pendulum,
     ///
     /// ```text
     /// omega^2 = sum_j |F_j| |r_j| / (J + m |r_0|^2) .
     /// ```
     ///
-    /// It is a bound of the size of the fastest sway of a taut chain, by the forces of the last step. `None` before the first.
+    /// It is a bound of the size of the fastest sway of a taut chain, by the forces of the last step. `None` before the
+    /// first.
     pub fn fastest_sway(&self) -> Option<(usize, f64)> {
         self.memory.predictor.degree()?;
         let nodes = &self.chain.nodes;
@@ -28,12 +30,6 @@ impl Rattle {
             if inertia > 0.0 { (moment[i] / inertia).sqrt() } else { 0.0 }
         };
         (1..nodes.len()).map(|i| (i - 1, rate(i))).max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// The largest part of its kinetic energy that a linkage took from nowhere or lost in a step, with the time, s; `None` where
-    /// that was never more than a few hundredths. A linkage does so that passes a singular configuration within a step.
-    pub fn jump(&self) -> Option<(f64, f64)> {
-        self.loops().and_then(Loops::jump)
     }
 
     /// Independent rows of the loops and couplings in the present configuration.

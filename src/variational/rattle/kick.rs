@@ -1,21 +1,10 @@
 //! Half kicks: the impulses of gravity and of the joints on the bodies.
 
-use std::ops::Range;
-
 use nalgebra::Vector3;
 
 use super::state::BodyTrial;
 use crate::variational::chain::{JointFrame, Node};
 use crate::variational::tree::spatial::{Spatial, Wrench};
-
-/// Nodes that stay in the nearest cache while one loop after another goes over them. One loop that did all for a node would read
-/// what it has just written before the processor has put it together.
-const BLOCK: usize = 8;
-
-/// A range in blocks, in order.
-pub(in crate::variational) fn blocks(range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    range.clone().step_by(BLOCK).map(move |start| start..range.end.min(start + BLOCK))
-}
 
 /// Gravity in a half kick.
 pub(in crate::variational) struct Gravity {

@@ -1,19 +1,20 @@
-//! Links without mass or moments of inertia that move, and links whose mass or moments are tiny beside what they carry: the
-//! empty links of a ball joint made of three hinges, a point mass, a gear of 1e-7 kg before an arm.
+//! Links without mass or moments of inertia that move, and links whose mass or moments are tiny beside what they carry:
+//! the empty links of a ball joint made of three hinges, a point mass, a gear of 1e-7 kg before an arm.
 //!
-//! Large impulses nearly cancel on such a *light* body, and what is left would be divided by almost nothing. So it is not
-//! its momentum that moves it: its motion over the step (`dx`, `s`) is an unknown of its own, and the equation for it is
-//! (1) and (2) of [`super`] the other way round, with the rule [`Rotation::Cayley`](crate::variational::Rotation::Cayley) for the turn,
+//! Large impulses nearly cancel on such a *light* body, and what is left would be divided by almost nothing. So it is
+//! not its momentum that moves it: its motion over the step (`dx`, `s`) is an unknown of its own, and the equation for
+//! it is (1) and (2) of [`super`] the other way round, with the rule
+//! [`Rotation::Cayley`](crate::variational::Rotation::Cayley) for the turn,
 //!
 //! ```text
 //! m dx / h                                 = p0  + h/2 (f(q0)   + G(q0)^T lambda0)
 //! R0 2/h (J s + s x J s + s (s . J s))     = pi0 + h/2 (tau(q0) + G(q0)^T lambda0)
 //! ```
 //!
-//! whose left-hand sides are zero where there is no inertia: the impulses balance. What they lack is the right-hand side of a
-//! correction, and the twist that the recursion finds moves the body. Momenta are set from the motion and, after the
-//! projection (5), from the twist. It works as long as the articulated inertia, the bodies behind included, is regular along
-//! the body's joint.
+//! whose left-hand sides are zero where there is no inertia: the impulses balance. What they lack is the right-hand
+//! side of a correction, and the twist that the recursion finds moves the body. Momenta are set from the motion and,
+//! after the projection (5), from the twist. It works as long as the articulated inertia, the bodies behind included,
+//! is regular along the body's joint.
 
 use nalgebra::Vector3;
 
@@ -23,8 +24,8 @@ use crate::numeric::Compensated;
 use crate::variational::chain::Node;
 use crate::variational::tree::spatial::{Spatial, Twist, Wrench};
 
-/// Mass or moments, over those of the heaviest body behind, below which a body counts as light; and moments over mass times
-/// the square of the system's length.
+/// Mass or moments, over those of the heaviest body behind, below which a body counts as light; and moments over mass
+/// times the square of the system's length.
 const LIGHT: f64 = 1e-5;
 
 /// Articulated inertia along a light body's joint, over that of all that hangs on it, that counts as none.
@@ -79,6 +80,15 @@ impl Rattle {
         }
         let (body, kick) = (&self.now.bodies[i], &self.trial.bodies[i].kick);
         Spatial::new(body.p.plus(&kick.linear), body.pi.plus(&kick.angular)) - self.momentum_of_motion(i, h)
+    }
+
+    /// Hands what the impulses on light bodies lack for balance to the exact linearisation.
+    pub(in crate::variational) fn load_light(&mut self, h: f64) {
+        for k in 0..self.light().len() {
+            let i = self.light()[k];
+            let lacking = self.imbalance(i, h);
+            self.trial.newton.load(i, lacking.wrench_from(&-self.now.frames[i].arm));
+        }
     }
 
     /// Starts the motions of light bodies from their twists at the beginning of the step.

@@ -2,13 +2,13 @@
 //!
 //! | file | is |
 //! | --- | --- |
-//! | [`step`] | the map, (1) to (5) |
-//! | [`state`] | the parts of the integrator; [`start`] makes them |
-//! | [`kick`], [`project`] | half kicks, and the second with its projection; [`attitude`] adds up turns |
-//! | [`parts`] | springs, dampers, drives, loops; [`light`] bodies with next to no inertia |
-//! | [`switching`] | which rule a body turns by |
-//! | [`energy`], [`node`], [`figures`] | what others ask of it |
-//! | [`failure`] | why a step could not be taken |
+//! | `step` | the map, (1) to (5) |
+//! | `state` | the parts of the integrator; `start` makes them |
+//! | `kick`, `project` | half kicks, and the second with its projection; `attitude` adds up turns |
+//! | `parts` | springs, dampers, drives, loops; `light` bodies with next to no inertia |
+//! | `switching` | which rule a body turns by |
+//! | `energy`, `node`, `figures` | what others ask of it |
+//! | `failure` | why a step could not be taken |
 
 mod attitude;
 mod energy;

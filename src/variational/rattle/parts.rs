@@ -45,7 +45,7 @@ impl Rattle {
         parts.forces.iter_mut().for_each(JointForce::end);
         if let Some(loops) = &mut parts.loops {
             loops.record(time, h);
-            loops.accept(time, RETURN);
+            loops.accept(RETURN);
         }
         self.kick_light(h);
     }

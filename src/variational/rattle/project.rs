@@ -1,11 +1,10 @@
-//! The end of a step: the factorisation in the new configuration, and the second half kick, (4) and (5) of [`super::step`].
-
-use std::ops::Range;
+//! The end of a step: the factorisation in the new configuration, and the second half kick, (4) and (5) of
+//! [`super::step`].
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::failure::Failure;
-use super::kick::{Gravity, add_joint_impulse, blocks, kick_joint};
+use super::kick::{Gravity, add_joint_impulse, kick_joint};
 use super::state::Rattle;
 use crate::variational::chain::{JointFrame, Node, Pose, keep_locked, mismatch};
 use crate::variational::force::Parts;
@@ -13,29 +12,25 @@ use crate::variational::method::Method;
 use crate::variational::tree::Singular;
 use crate::variational::tree::spatial::{Spatial, Wrench};
 
-/// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is known
-/// to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the step,
-/// into the momenta. The noise has a bias, and the energy drifts in proportion to this rate: at 1e-3 a pendulum loses 1.3e-20
-/// of its energy scale a step, at 1e-4 2.8e-21, below that nothing is left of it.
+/// The part of a joint's mismatch that one step takes away. The mismatch is a sum of roundoff over many steps; it is
+/// known to roundoff of the positions only, so taking away all of it in every step would put that noise, divided by the
+/// step, into the momenta. The noise has a bias, and the energy drifts in proportion to this rate: at 1e-3 a pendulum
+/// loses 1.3e-20 of its energy scale a step, at 1e-4 2.8e-21, below that nothing is left of it.
 pub(in crate::variational) const RETURN: f64 = 3e-5;
 
 impl Rattle {
     /// Places all joints in the present configuration.
     pub(super) fn place_joints(&mut self) {
-        blocks(1..self.chain.nodes.len()).for_each(|block| self.place_block(block));
-    }
-
-    /// Places the joints of a block of nodes in the present configuration, of which the nodes before have taken theirs.
-    #[inline(always)]
-    pub(super) fn place_block(&mut self, block: Range<usize>) {
         let (nodes, now) = (&self.chain.nodes, &mut self.now);
-        for i in block.clone() {
+        for i in 1..nodes.len() {
             let parent_arm = now.frames[nodes[i].parent].arm;
             let (node, pose, parent) = (&nodes[i], &now.pose[i], &now.pose[nodes[i].parent]);
             now.frames[i] = JointFrame::new(node, pose, parent, &parent_arm);
             now.gap0[i] = mismatch(node, pose, parent).scaled(RETURN);
         }
-        block.for_each(|i| now.tree.put_body(nodes, &now.frames, i, &world_inertia(&nodes[i], &now.pose[i])));
+        for i in 1..nodes.len() {
+            now.tree.put_body(nodes, &now.frames, i, &world_inertia(&nodes[i], &now.pose[i]));
+        }
     }
 
     /// Factorises with the joints as they have been placed, for the end of a step of size `h`.
@@ -80,13 +75,13 @@ impl Rattle {
         let (wrench, trial) = (&mut self.trial.wrench, &mut self.trial.bodies);
         // (5)
         now.tree.project(
-            nodes,
             frames,
             |i| Spatial::new(bodies[i].p.value + gravity.impulse(nodes[i].mass), bodies[i].pi.value),
             |i, v, f| {
                 twist[i] = *v;
                 wrench[i] = f;
-                // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a force there.
+                // The wrench is a difference of momenta: what roundoff leaves along the free directions would be a
+                // force there.
                 keep_locked(&nodes[i], &frames[i], &mut wrench[i]);
                 kick_joint(trial, nodes, frames, i, gravity, &wrench[i]);
             },
@@ -112,13 +107,12 @@ impl Rattle {
                 }
                 let first = loops.first_pass();
                 let momentum = |i: usize| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick;
-                now.tree.project(nodes, frames, momentum, |i, v, _| first[i] = *v);
+                now.tree.project(frames, momentum, |i, v, _| first[i] = *v);
                 loops.project(frames, |i, impulse| trial[i].kick += impulse);
             }
         }
         // (5)
         now.tree.project(
-            nodes,
             frames,
             |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value) + trial[i].kick,
             |i, v, f| {

@@ -52,7 +52,7 @@ impl Rattle {
                 gap0: vec![Spatial::ZERO; n],
                 twist: vec![Spatial::ZERO; n],
             },
-            trial: Trial::new(n),
+            trial: Trial::new(&nodes),
             memory: Memory {
                 predictor: Predictor::new(n, if sprung { predictor::SPRUNG } else { predictor::FULL }),
                 contraction: f64::INFINITY,
@@ -61,7 +61,7 @@ impl Rattle {
                 switched: Vec::with_capacity(n),
             },
             settings: Settings { method: Method::Rattle, automatic: false, tolerance: 0.0, unbiased: false },
-            chain: Chain::new(nodes, system.gravity, length),
+            chain: Chain { nodes, gravity: system.gravity, length },
             parts,
         };
         rattle.place_joints();
@@ -81,15 +81,17 @@ impl Rattle {
         self
     }
 
-    /// Lets the constraint iteration stop at a residual (m; angles times the mean length of a link) instead of at roundoff.
-    /// That costs the long-time behaviour: the energy drifts by what the residuals leave out, always to the same side.
+    /// Lets the constraint iteration stop at a residual (m; angles times the mean length of a link) instead of at
+    /// roundoff. That costs the long-time behaviour: the energy drifts by what the residuals leave out, always to the
+    /// same side.
     pub fn with_tolerance(mut self, tolerance: f64) -> Rattle {
         self.settings.tolerance = tolerance;
         self
     }
 
-    /// Goes on with the constraint iteration far below roundoff. What the last correction leaves has the same sign for many steps; where the
-    /// method errs less than roundoff does, as at high order, that is what the energy drifts by. It takes two thirds as many rounds more.
+    /// Goes on with the constraint iteration far below roundoff. What the last correction leaves has the same sign for
+    /// many steps; where the method errs less than roundoff does, as at high order, that is what the energy drifts by.
+    /// It takes two thirds as many rounds more.
     pub fn with_unbiased_roundoff(mut self) -> Rattle {
         self.settings.unbiased = true;
         self

@@ -36,8 +36,6 @@ pub(in crate::variational) struct Chain {
     pub gravity: Vector3<f64>,
     /// A length of the system, which weighs angles against positions, m.
     pub length: f64,
-    /// Whether all nodes after this one hang on it.
-    pub stem: Vec<bool>,
 }
 
 /// The state between two steps, `(q0, p0)`, and what was made of its configuration.
@@ -75,9 +73,6 @@ pub(in crate::variational) struct Trial {
     pub wrench: Vec<Wrench>,
     /// What each joint does not allow in the configuration that is being tried, over `-h`.
     pub bias: Vec<Twist>,
-    /// How far each joint is open, m (angles times [`Chain::length`]), now and in the round before.
-    pub open: Vec<f64>,
-    pub open_before: Vec<f64>,
     pub newton: Newton,
 }
 
@@ -117,18 +112,6 @@ pub(in crate::variational) struct Settings {
     pub unbiased: bool,
 }
 
-impl Chain {
-    pub(super) fn new(nodes: Vec<Node>, gravity: Vector3<f64>, length: f64) -> Chain {
-        let n = nodes.len();
-        let (mut stem, mut least) = (vec![false; n], n);
-        for i in (1..n).rev() {
-            stem[i] = least >= i;
-            least = least.min(nodes[i].parent);
-        }
-        Chain { nodes, gravity, length, stem }
-    }
-}
-
 impl Memory {
     pub(super) fn copy_from(&mut self, other: &Memory) {
         self.predictor.copy_from(&other.predictor);
@@ -140,14 +123,13 @@ impl Memory {
 }
 
 impl Trial {
-    pub(super) fn new(nodes: usize) -> Trial {
+    pub(super) fn new(nodes: &[Node]) -> Trial {
+        let n = nodes.len();
         let rest = BodyTrial { kick: Spatial::ZERO, motion: Motion::NONE, hm: Vector3::zeros(), s: Vector3::zeros() };
         Trial {
-            bodies: vec![rest; nodes],
-            wrench: vec![Spatial::ZERO; nodes],
-            bias: vec![Spatial::ZERO; nodes],
-            open: vec![0.0; nodes],
-            open_before: vec![0.0; nodes],
+            bodies: vec![rest; n],
+            wrench: vec![Spatial::ZERO; n],
+            bias: vec![Spatial::ZERO; n],
             newton: Newton::new(nodes),
         }
     }

@@ -11,31 +11,31 @@
 //! G(q1) M^-1 p1 = 0                               the twists fit: this fixes lambda1      (5)
 //! ```
 //!
-//! (3) is solved by a chord iteration ([`super::super::closing`]) with the articulated-body factorisation at `q0`, which is the one
-//! that (5) of the step before has made: one factorisation a step. The multipliers live in the joints as wrench impulses `h/2 lambda`;
-//! the next step starts from their extrapolation in the child's body frame. `phi(q1)` is computed from the motions of the step, not
-//! from the difference of positions, and the iteration ends with a correction below the roundoff of the motions: small steps do not
-//! cancel, and nothing is left out that would add up.
+//! (3) is solved by a chord iteration ([`super::super::closing`]) with the articulated-body factorisation at `q0`,
+//! which is the one that (5) of the step before has made: one factorisation a step. The multipliers live in the joints
+//! as wrench impulses `h/2 lambda`; the next step starts from their extrapolation in the child's body frame. `phi(q1)`
+//! is computed from the motions of the step, not from the difference of positions, and the iteration ends with a
+//! correction below the roundoff of the motions: small steps do not cancel, and nothing is left out that would add up.
 //!
-//! Springs and drives in joints are part of the discrete Lagrangian, and dampers enter by the discrete Lagrange-d'Alembert
-//! principle (Marsden and West, section 3.2): each half kick carries an impulse along the joint's motion subspace, which
-//! is solved for with (3); see [`super::super::force`].
+//! Springs and drives in joints are part of the discrete Lagrangian, and dampers enter by the discrete
+//! Lagrange-d'Alembert principle (Marsden and West, section 3.2): each half kick carries an impulse along the joint's
+//! motion subspace, which is solved for with (3); see [`super::super::force`].
 //!
-//! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the system's
-//! symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is small.
+//! The map is symplectic on the constraint manifold, time-reversible, of order 2, and conserves the momenta of the
+//! system's symmetries; it does not conserve energy, whose error stays bounded while `h` times the largest frequency is
+//! small.
 
 use nalgebra::{Quaternion, SVector};
 
 use super::attitude::{norm_defect, turn_less_one};
 use super::failure::Failure;
-use super::kick::blocks;
 use super::state::Rattle;
 use crate::mechanics::State;
 use crate::variational::chain::Pose;
 
 impl Rattle {
-    /// Takes one step of size `h` (s). After a failure the state is the one before the step; after [`Failure::Singular`] alone it
-    /// is that at its end, with momenta that do not fit the joints.
+    /// Takes one step of size `h` (s). After a failure the state is the one before the step; after
+    /// [`Failure::Singular`] alone it is that at its end, with momenta that do not fit the joints.
     ///
     /// # Errors
     /// See [`Failure`].
@@ -49,23 +49,22 @@ impl Rattle {
         self.begin_parts(h)?;
         self.solve_or_switch(h)?; // (3)
         self.accept_parts(h);
-        for block in blocks(1..self.chain.nodes.len()) {
-            let (now, trial) = (&mut self.now, &self.trial);
-            for i in block.clone() {
-                self.memory.predictor.write(h, i, &now.pose[i], &trial.wrench[i]);
-            }
-            for i in block.clone() {
-                let (body, pose, trial) = (&mut now.bodies[i], &mut now.pose[i], &trial.bodies[i]);
-                body.p.add(&trial.kick.linear); // (1)
-                body.pi.add(&trial.kick.angular); // (1)
-                body.x.add(&trial.motion.dx); // (2)
-                // By the world vector with which the joints were measured: rounded apart from it, attitudes would leave positions behind.
-                body.q.add(&(turn_less_one(&trial.motion.s) * Quaternion::from(pose.q)).coords); // (2)
-                body.q.add(&norm_defect(&body.q));
-                *pose = Pose::new(&body.x, body.q.value);
-            }
-            self.place_block(block);
+        let (now, trial) = (&mut self.now, &self.trial);
+        for i in 1..self.chain.nodes.len() {
+            self.memory.predictor.write(h, i, &now.pose[i], &trial.wrench[i]);
         }
+        for (i, trial) in trial.bodies.iter().enumerate().skip(1) {
+            let (body, pose) = (&mut now.bodies[i], &mut now.pose[i]);
+            body.p.add(&trial.kick.linear); // (1)
+            body.pi.add(&trial.kick.angular); // (1)
+            body.x.add(&trial.motion.dx); // (2)
+            // By the world vector with which the joints were measured: rounded apart from it, attitudes would leave
+            // positions behind.
+            body.q.add(&(turn_less_one(&trial.motion.s) * Quaternion::from(pose.q)).coords); // (2)
+            body.q.add(&norm_defect(&body.q));
+            *pose = Pose::new(&body.x, body.q.value);
+        }
+        self.place_joints();
         self.memory.predictor.advance(self.now.time.value.x);
         Ok(())
     }

@@ -5,9 +5,6 @@ use super::state::Rattle;
 use crate::variational::chain::Node;
 use crate::variational::rotation::Rotation;
 
-/// Tangent of half the turn, about 0.5 rad, past which Moser-Veselov is the likely cause of a constraint iteration that fails.
-const FAST: f64 = 0.25;
-
 impl Rattle {
     /// Turns the bodies by another rule than [`Rotation::MoserVeselov`].
     pub fn with_rotation(mut self, rotation: Rotation) -> Rattle {
@@ -16,9 +13,9 @@ impl Rattle {
         self
     }
 
-    /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over to
-    /// [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve energies
-    /// that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
+    /// Turns the bodies by [`Rotation::MoserVeselov`] while that has a solution. A body for which it has none goes over
+    /// to [`Rotation::Splitting`] for the rest of the run: both maps are symplectic and time-reversible and conserve
+    /// energies that differ by `O(h^2)`, so that each body changes the energy that is conserved at most once.
     pub fn with_automatic_rotation(mut self) -> Rattle {
         self.memory.rules = rules(&self.chain.nodes, Rotation::MoserVeselov);
         self.settings.automatic = true;
@@ -30,7 +27,8 @@ impl Rattle {
         &self.memory.switched
     }
 
-    /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has changed.
+    /// (1) to (3), with another rotation rule for the bodies that need one. When that does not help, nothing has
+    /// changed.
     pub(super) fn solve_or_switch(&mut self, h: f64) -> Result<(), Failure> {
         let before = self.memory.switched.len();
         loop {
@@ -40,8 +38,9 @@ impl Rattle {
             };
             let body = match failure {
                 Failure::Rotation { body, .. } => Some(body),
-                Failure::Constraint { .. } | Failure::Loop { .. } => self.fastest_turning(),
-                Failure::Leap { .. }
+                Failure::Constraint { .. }
+                | Failure::Loop { .. }
+                | Failure::Leap { .. }
                 | Failure::Stalled { .. }
                 | Failure::NoStep { .. }
                 | Failure::Singular { .. }
@@ -57,14 +56,6 @@ impl Rattle {
             self.memory.rules[body + 1] = Rotation::Splitting;
             self.memory.switched.push((body, self.now.time.value.x));
         }
-    }
-
-    /// The body that turns most in the step that was tried last, by more than [`FAST`], of those that can go over to the
-    /// splitting.
-    fn fastest_turning(&self) -> Option<usize> {
-        let turn = |i: &usize| self.trial.bodies[*i].s.norm();
-        let candidates = (1..self.chain.nodes.len()).filter(|&i| self.memory.rules[i] == Rotation::MoserVeselov);
-        candidates.filter(|i| turn(i) > FAST).max_by(|i, j| turn(i).total_cmp(&turn(j))).map(|i| i - 1)
     }
 }
 

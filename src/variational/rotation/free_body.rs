@@ -4,12 +4,12 @@
 //! 1/2 m . J^-1 m = |m|^2 / (2 J_b) + 1/2 (1/J_a - 1/J_b) m_a^2 + 1/2 (1/J_c - 1/J_b) m_c^2
 //! ```
 //!
-//! in the angular momentum `m` in body axes (McLachlan 1993; Reich 1994; Touma and Wisdom 1994). The first part turns the
-//! body by `h m / J_b` and leaves `m` as it is, so it commutes with the others; each of those turns the body about a
-//! principal axis and `m` back about the same axis. The symmetric composition of the parts is symplectic, time-reversible,
-//! of order 2, and keeps `pi = R m`. Its error is that of the commutator of the last two parts, which is of the size of
-//! `(1/J_a - 1/J_b)(1/J_c - 1/J_b)`: the axis `b` is the one that makes this smallest, and with two equal moments the turn
-//! is that of the free body (Hairer, Lubich and Wanner 2006, section VII.5).
+//! in the angular momentum `m` in body axes (McLachlan 1993; Reich 1994; Touma and Wisdom 1994). The first part turns
+//! the body by `h m / J_b` and leaves `m` as it is, so it commutes with the others; each of those turns the body about
+//! a principal axis and `m` back about the same axis. The symmetric composition of the parts is symplectic,
+//! time-reversible, of order 2, and keeps `pi = R m`. Its error is that of the commutator of the last two parts, which
+//! is of the size of `(1/J_a - 1/J_b)(1/J_c - 1/J_b)`: the axis `b` is the one that makes this smallest, and with two
+//! equal moments the turn is that of the free body (Hairer, Lubich and Wanner 2006, section VII.5).
 
 use nalgebra::{Matrix3, Quaternion, Vector3};
 
@@ -65,8 +65,8 @@ impl Split {
         f
     }
 
-    /// The action of [`Split::rotation`] times the step, kg m^2: each part is a flow that keeps its energy, whose action is that
-    /// energy times the part's time.
+    /// The action of [`Split::rotation`] times the step, kg m^2: each part is a flow that keeps its energy, whose
+    /// action is that energy times the part's time.
     pub(in crate::variational) fn action(&self, hm: &Vector3<f64>) -> f64 {
         let mut action = 0.5 * self.base * hm.norm_squared();
         let mut hm = *hm;

@@ -1,10 +1,13 @@
-//! How a body turns over one step: `R1 = R0 F(s)` with the Cayley rotation `F(s)`, the quaternion `(1, s) / sqrt(1 + |s|^2)`.
+//! How a body turns over one step: `R1 = R0 F(s)` with the Cayley rotation `F(s)`, the quaternion `(1, s) / sqrt(1 +
+//! |s|^2)`.
 //!
-//! The vector `s` follows from the body's angular momentum `m0 = R0^T pi` (body axes) by the discrete Legendre transform of
-//! the rule's discrete Lagrangian. All rules are variational, of order 2 and time-reversible, and leave `pi` as it is.
+//! The vector `s` follows from the body's angular momentum `m0 = R0^T pi` (body axes) by the discrete Legendre
+//! transform of the rule's discrete Lagrangian. All rules are variational, of order 2 and time-reversible, and leave
+//! `pi` as it is.
 //!
-//! Moser-Veselov makes the step RATTLE proper and has no solution once a body turns by about 1 rad a step; the splitting is
-//! explicit, exact for a body with two equal moments, and has no such limit. Measured energy errors of RATTLE with each rule:
+//! Moser-Veselov makes the step RATTLE proper and has no solution once a body turns by about 1 rad a step; the
+//! splitting is explicit, exact for a body with two equal moments, and has no such limit. Measured energy errors of
+//! RATTLE with each rule:
 //!
 //! | motion | step | Moser-Veselov | Cayley | splitting |
 //! | --- | --- | --- | --- | --- |
@@ -14,8 +17,8 @@
 //! | chain of 5 asymmetric links, 1 s | 10 ms | 1.5e-3 | 9.9e-4 | 1.4e-3 |
 //! | whip of 50 rods, 5 s | 2 ms | 1.08e-4 | 9.1e-5 | 1.02e-4 |
 //!
-//! On ordinary chains the rules differ by 10 to 40 %, so RATTLE proper is the default while it can be solved; a fast body is
-//! where they part, and there the splitting is the most accurate.
+//! On ordinary chains the rules differ by 10 to 40 %, so RATTLE proper is the default while it can be solved; a fast
+//! body is where they part, and there the splitting is the most accurate.
 
 mod free_body;
 mod implicit;

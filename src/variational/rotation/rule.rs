@@ -25,23 +25,26 @@ pub enum Rotation {
     ///
     /// It has a solution for every `m0`: a body may turn as fast as it likes, its angle then lags behind.
     Cayley,
-    /// The rotational energy in parts that can be integrated exactly (McLachlan 1993; Reich 1994), composed symmetrically:
+    /// The rotational energy in parts that can be integrated exactly (McLachlan 1993; Reich 1994), composed
+    /// symmetrically:
     ///
     /// ```text
     /// 1/2 m . J^-1 m = |m|^2 / (2 J_b) + sum_k 1/2 (1/J_k - 1/J_b) m_k^2 ,
     /// F = exp(h m0 / J_b) E_a(1/2) E_c(1) E_a(1/2) ,   E_k(w) = exp(w h (1/J_k - 1/J_b) m_k e_k) .
     /// ```
     ///
-    /// The first part commutes with the others, which are rotations about principal axes. `J_b` is the moment that makes
-    /// the product of the two differences smallest: a body with two equal moments turns exactly as a free body does.
+    /// The first part commutes with the others, which are rotations about principal axes. `J_b` is the moment that
+    /// makes the product of the two differences smallest: a body with two equal moments turns exactly as a free body
+    /// does.
     Splitting,
 }
 
 impl Rotation {
     /// Solves the rule for `s`, to roundoff.
     ///
-    /// `inertia` holds the principal moments (kg m^2), `hm` is `h m0` (kg m^2, body axes), `start` a guess for the rules
-    /// that are solved by Newton's method. `None` where that does not converge: the step is too long for the angular velocity.
+    /// `inertia` holds the principal moments (kg m^2), `hm` is `h m0` (kg m^2, body axes), `start` a guess for the
+    /// rules that are solved by Newton's method. `None` where that does not converge: the step is too long for the
+    /// angular velocity.
     #[inline]
     pub fn solve(self, inertia: &Vector3<f64>, hm: &Vector3<f64>, start: &Vector3<f64>) -> Option<Vector3<f64>> {
         match self {
@@ -51,8 +54,8 @@ impl Rotation {
         }
     }
 
-    /// `h L_d`, which depends on the turn alone: `L_d` is this over the step, and the discrete energy `-dL_d/dh` at a fixed turn
-    /// this over its square, kg m^2.
+    /// `h L_d`, which depends on the turn alone: `L_d` is this over the step, and the discrete energy `-dL_d/dh` at a
+    /// fixed turn this over its square, kg m^2.
     pub(in crate::variational) fn action(self, inertia: &Vector3<f64>, s: &Vector3<f64>, hm: &Vector3<f64>) -> f64 {
         let square = 2.0 * s.dot(&inertia.component_mul(s));
         match self {
@@ -62,22 +65,33 @@ impl Rotation {
         }
     }
 
-    /// `K` in `d(h m0) = K ds / (1 + |s|^2)` at a solution.
-    pub(in crate::variational) fn derivative(
+    /// `d(h m0) / d eta` at a solution, where `eta` turns `F` on its left: the body's inertia for changes of its turn
+    /// in a step, body axes, kg m^2.
+    #[inline(always)]
+    pub(in crate::variational) fn inertia(
         self,
         inertia: &Vector3<f64>,
         s: &Vector3<f64>,
         hm: &Vector3<f64>,
     ) -> Matrix3<f64> {
-        let jacobian = |rule: Implicit| rule.jacobian(inertia, s, &inertia.component_mul(s), hm);
         match self {
-            Rotation::MoserVeselov => jacobian(Implicit::MoserVeselov),
-            Rotation::Cayley => jacobian(Implicit::Cayley) * (1.0 + s.norm_squared()),
-            Rotation::Splitting => {
-                // d eta = 2 / (1 + |s|^2) (ds + s x ds)
-                let by_turn = Split::of(inertia).derivative(hm).try_inverse().unwrap_or_else(Matrix3::zeros);
-                2.0 * by_turn * (Matrix3::identity() + s.cross_matrix())
+            Rotation::MoserVeselov => {
+                // Of `[h m0] = F Jd - Jd F^T` with `Jd = 1/2 tr(J) 1 - J`, since `[eta] A + A^T [eta] = [(tr(A) 1 - A)
+                // eta]`.
+                let (half, cross) = (0.5 * inertia.sum(), s.cross_matrix());
+                let turned = (2.0 / (1.0 + s.norm_squared())) * (cross + cross * cross);
+                let mut negative = turned + Matrix3::identity();
+                for k in 0..3 {
+                    negative.column_mut(k).scale_mut(inertia[k] - half);
+                }
+                negative - Matrix3::from_diagonal_element(negative.trace())
             }
+            Rotation::Cayley => {
+                // d eta = 2 / (1 + |s|^2) (1 + [s]) ds , and (1 + [s])^-1 = (1 - [s] + s s^T) / (1 + |s|^2)
+                let by_s = Implicit::Cayley.jacobian(inertia, s, &inertia.component_mul(s), hm);
+                0.5 * by_s * (Matrix3::identity() - s.cross_matrix() + s * s.transpose())
+            }
+            Rotation::Splitting => Split::of(inertia).derivative(hm).try_inverse().unwrap_or_else(Matrix3::zeros),
         }
     }
 }
@@ -130,8 +144,8 @@ mod tests {
         assert_eq!(MoserVeselov.solve(&inertia, &Vector3::new(0.0, 2.3 * 1.01, 0.0), &Vector3::zeros()), None);
     }
 
-    /// `m0` is the derivative of `L_d` with respect to the start: turning `R0` by a small `eta` (body axes) turns `F` to
-    /// `exp(-eta) F` and changes `L_d` by `-m0 . eta`.
+    /// `m0` is the derivative of `L_d` with respect to the start: turning `R0` by a small `eta` (body axes) turns `F`
+    /// to `exp(-eta) F` and changes `L_d` by `-m0 . eta`.
     #[test]
     fn both_equations_are_the_legendre_transforms_of_their_lagrangians() {
         let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.11, -0.23, 0.31));
@@ -164,6 +178,26 @@ mod tests {
             let s = Cayley.solve(&inertia, &hm, &Vector3::zeros()).unwrap();
             let residual = Implicit::Cayley.residual(&s, &inertia.component_mul(&s), &hm);
             assert!(residual.norm() <= 1e-14 * hm.norm(), "{scale}: {:e}", residual.norm() / hm.norm());
+        }
+    }
+
+    #[test]
+    fn the_inertia_of_a_turn_is_the_derivative() {
+        let (inertia, hm) = (Vector3::new(1.0, 2.3, 2.9), Vector3::new(0.11, -0.23, 0.31));
+        for rule in [MoserVeselov, Cayley, Rotation::Splitting] {
+            let solve = |hm: &Vector3<f64>| rule.solve(&inertia, hm, &Vector3::zeros()).unwrap();
+            let s = solve(&hm);
+            let exact = rule.inertia(&inertia, &s, &hm).try_inverse().unwrap();
+            for i in 0..3 {
+                let step = Vector3::ith(i, 1e-5);
+                let f = |hm: &Vector3<f64>| {
+                    let s = solve(hm);
+                    UnitQuaternion::from_quaternion(Quaternion::new(1.0, s.x, s.y, s.z))
+                };
+                let central = (f(&(hm + step)) * f(&(hm - step)).inverse()).scaled_axis() / 2e-5;
+                // measured 2e-11
+                assert_relative_eq!(exact.column(i).into_owned(), central, epsilon = 1e-10);
+            }
         }
     }
 }

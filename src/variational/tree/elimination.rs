@@ -57,8 +57,8 @@ pub(super) fn inverse_of_symmetric(d: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     Cholesky::new(*d).map(|c| c.inverse())
 }
 
-/// The free directions of a joint with at most three of them, at its joint point; zero where there are fewer. A joint that is free has
-/// no need of them.
+/// The free directions of a joint with at most three of them, at its joint point; zero where there are fewer. A joint
+/// that is free has no need of them.
 pub(super) fn directions(kind: JointKind, axes: &Matrix3<f64>) -> [Spatial; 3] {
     let axis = |k: usize| axes.column(k).into_owned();
     let slide = |k| Spatial::new(axis(k), Vector3::zeros());

@@ -59,8 +59,8 @@ impl Tree {
         self.first.last().copied().unwrap_or(0)
     }
 
-    /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what the
-    /// joint's own forces add to `D`.
+    /// Factorises. `inertia(i)` is the inertia of node `i` about its centre of mass in world axes, `implicit(i)` what
+    /// the joint's own forces add to `D`.
     pub(in crate::variational) fn factorise(
         &mut self,
         nodes: &[Node],

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Here a joint's wrench `f` acts on the child and `-f` on the parent at the joint point, `S . f = 0` for the joint's
-//! motion subspace `S`, and the joint lets the child's twist differ from the parent's by `S sigma + gamma`, where `gamma`
-//! is the joint's part of `c`. A sweep from the leaves to the root eliminates the free directions,
+//! motion subspace `S`, and the joint lets the child's twist differ from the parent's by `S sigma + gamma`, where
+//! `gamma` is the joint's part of `c`. A sweep from the leaves to the root eliminates the free directions,
 //!
 //! ```text
 //! U = A S ,   D = S^T U ,   A_parent += A - U D^-1 U^T ,
@@ -20,6 +20,7 @@ mod elimination;
 mod factor;
 pub(super) mod newton;
 pub(super) mod orthogonal;
+mod response;
 pub(super) mod row;
 pub(super) mod schur;
 mod solve;

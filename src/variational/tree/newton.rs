@@ -1,233 +1,272 @@
-//! The exact linearisation of a step's constraint equations, for moments in which the chord iteration does not contract.
+//! The exact linearisation of a step's constraint equations, for moments in which the chord iteration contracts slowly.
 //!
-//! A change of the joint impulses at `q0` changes the momenta, the momenta move the bodies through the rotation rule, and
-//! the joints are measured at `q1`. With `eta` the change of a body's position and attitude over `h`,
+//! A change of the joint impulses at `q0` changes the momenta, the momenta move the bodies through the rotation rule,
+//! and the joints are measured at `q1`. With `eta` the change of a body's position and attitude over `h`,
 //!
 //! ```text
-//! M~ eta = G(q0)^T dlambda ,   G(q1) eta = -phi(q1) / h ,   M~ = diag(m 1, I~) ,
-//! I~ = R0 1/2 K (1 + [s])^-1 R0^T ,   K = (1 + |s|^2) d(h m0)/ds .
+//! M~ eta = G(q0)^T dlambda ,   G(q1) eta = -phi(q1) / h ,   M~ = diag(m 1, R0 I~ R0^T) ,
 //! ```
 //!
-//! It is the recursion of [`super`] with two motion subspaces: `S1` at `q1` on the side of the motion, `S0` at `q0` on
-//! the side of the wrench, so that the blocks are not symmetric. It is made anew in every round; a few of them reach roundoff where the chord iteration diverges.
+//! `I~` is [`super::rotation::Rotation::inertia`]. It is the recursion of [`super::tree`] with two motion subspaces,
+//! `S1` at `q1` on the side of the motion, `S0` at `q0` on the side of the wrench, so that the blocks are not
+//! symmetric:
+//!
+//! ```text
+//! U = A S1 ,   V = S0^T A ,   D = V S1 ,   A_parent += A - U D^-1 V .
+//! ```
+//!
+//! Its factors serve for several rounds: made near the solution, they are wrong by as little as the trial was.
 
-use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+use nalgebra::{Const, LU, Matrix3, Vector3};
 
 use super::elimination::{Singular, directions};
+use super::response::Response;
 use super::spatial::{Spatial, Twist, Wrench};
 use crate::mechanics::JointKind;
 use crate::variational::chain::{JointFrame, Motion, Node};
 
-type Matrix6x3 = SMatrix<f64, 6, 3>;
-type Matrix3x6 = SMatrix<f64, 3, 6>;
-
-/// A node in the step that is being tried.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::variational) struct Tried {
-    pub motion: Motion,
-    /// `I~`, kg m^2.
-    pub inertia: Matrix3<f64>,
-    /// [`RelativeMotion::turn`](crate::variational::chain::RelativeMotion::turn) of its joint.
-    pub turn: Vector3<f64>,
-    /// What its joint does not allow.
-    pub locked: Twist,
-    /// What its joint's own impulse is short of, and what it adds to `D`.
-    pub along: Vector3<f64>,
-    pub implicit: f64,
-    /// What the impulses on a light body lack for balance, about its centre of mass.
-    pub kick: Wrench,
+/// The free directions of a joint, eliminated.
+#[derive(Clone, Debug)]
+enum Elimination {
+    /// One direction.
+    One(One),
+    /// Three directions.
+    Three(Box<Three>),
+    /// All six: nothing passes to the parent.
+    Free(Box<LU<f64, Const<6>, Const<6>>>),
 }
 
-/// Room for the linearisation at a trial configuration.
+#[derive(Clone, Debug)]
+struct One {
+    s0: Spatial,
+    s1: Spatial,
+    u: Wrench,
+    v: Spatial,
+    d_inverse: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Three {
+    s0: [Spatial; 3],
+    s1: [Spatial; 3],
+    u: [Wrench; 3],
+    v: [Spatial; 3],
+    d_inverse: Matrix3<f64>,
+}
+
+impl One {
+    /// Eliminates the direction of a joint from `a`; `None` where it moves nothing. `implicit` is what the joint's own
+    /// forces add to `D`.
+    fn new(a: &Response, node: &Node, frame: &JointFrame, carried: &Motion, implicit: f64) -> Option<One> {
+        let z = frame.axes.column(2).into_owned();
+        let (z1, none) = (z + carried.turned(&z), Vector3::zeros());
+        let (s0, s1, u, v) = if node.slides() {
+            let (s0, s1) = (Spatial::new(z, none), Spatial::new(z1, none));
+            (s0, s1, a.times(&s1), a.tr_times(&s0))
+        } else {
+            let (s0, s1) = (Spatial::new(none, z), Spatial::new(none, z1));
+            (s0, s1, a.times_turn(&z1), a.tr_times_turn(&z))
+        };
+        let d = s0.dot(&u) + implicit;
+        let d_inverse = 1.0 / d;
+        (d != 0.0 && d_inverse.is_finite()).then_some(One { s0, s1, u, v, d_inverse })
+    }
+}
+
+impl Three {
+    /// The same for three directions.
+    fn new(a: &Response, node: &Node, frame: &JointFrame, carried: &Motion, implicit: f64) -> Option<Three> {
+        let axes1 = Matrix3::from_columns(&[0, 1, 2].map(|k| {
+            let axis = frame.axes.column(k).into_owned();
+            axis + carried.turned(&axis)
+        }));
+        let (s0, s1) = (directions(node.kind, &frame.axes), directions(node.kind, &axes1));
+        let (u, v) = (s1.map(|s| a.times(&s)), s0.map(|s| a.tr_times(&s)));
+        let d = Matrix3::from_fn(|r, c| s0[r].dot(&u[c])) + Matrix3::from_diagonal_element(implicit);
+        Some(Three { s0, s1, u, v, d_inverse: d.try_inverse()? })
+    }
+}
+
+/// The linearisation at a trial configuration, with room for the solves.
 #[derive(Clone, Debug)]
 pub(in crate::variational) struct Newton {
-    /// To be filled in before each correction.
-    pub tried: Vec<Tried>,
     /// Twist at the joint point at `q1` to wrench about the joint point at `q0`, children included.
-    a: Vec<Matrix6<f64>>,
-    s1: Vec<Matrix6x3>,
-    /// `A S1`
-    u: Vec<Matrix6x3>,
-    /// `D^-1 S0^T` and `D^-1 S0^T A`
-    d_s: Vec<Matrix3x6>,
-    v: Vec<Matrix3x6>,
-    /// Right-hand sides, summed towards the root.
-    rhs: Vec<Vector6<f64>>,
-    /// `D^-1 (S0^T rhs - along)`
-    sigma: Vec<Vector3<f64>>,
-    eta: Vec<Vector6<f64>>,
+    a: Vec<Response>,
+    elimination: Vec<Elimination>,
     /// From the parent's joint point to this one, at `q1`.
     offset1: Vec<Vector3<f64>>,
+    /// Right-hand sides about the joint points, summed towards the root.
+    rhs: Vec<Wrench>,
+    bias: Vec<Twist>,
+    /// `D^-1 (S0^T rhs - along)`
+    sigma: Vec<Vector3<f64>>,
+    eta: Vec<Twist>,
 }
 
 impl Newton {
-    pub(in crate::variational) fn new(nodes: usize) -> Newton {
-        let rest = Tried {
-            motion: Motion::NONE,
-            inertia: Matrix3::zeros(),
-            turn: Vector3::zeros(),
-            locked: Spatial::ZERO,
-            along: Vector3::zeros(),
-            implicit: 0.0,
-            kick: Spatial::ZERO,
+    pub(in crate::variational) fn new(nodes: &[Node]) -> Newton {
+        let elimination = |node: &Node| {
+            let (zero, three) = (Spatial::ZERO, [Spatial::ZERO; 3]);
+            match node.kind {
+                JointKind::Revolute | JointKind::Prismatic => {
+                    Elimination::One(One { s0: zero, s1: zero, u: zero, v: zero, d_inverse: 0.0 })
+                }
+                JointKind::Planar | JointKind::Spherical => {
+                    let d_inverse = Matrix3::zeros();
+                    Elimination::Three(Box::new(Three { s0: three, s1: three, u: three, v: three, d_inverse }))
+                }
+                JointKind::Floating => Elimination::Free(Box::new(Response::ZERO.to_matrix().lu())),
+            }
         };
         Newton {
-            tried: vec![rest; nodes],
-            a: vec![Matrix6::zeros(); nodes],
-            s1: vec![Matrix6x3::zeros(); nodes],
-            u: vec![Matrix6x3::zeros(); nodes],
-            d_s: vec![Matrix3x6::zeros(); nodes],
-            v: vec![Matrix3x6::zeros(); nodes],
-            rhs: vec![Vector6::zeros(); nodes],
-            sigma: vec![Vector3::zeros(); nodes],
-            eta: vec![Vector6::zeros(); nodes],
-            offset1: vec![Vector3::zeros(); nodes],
+            a: vec![Response::ZERO; nodes.len()],
+            elimination: nodes.iter().map(elimination).collect(),
+            offset1: vec![Vector3::zeros(); nodes.len()],
+            rhs: vec![Spatial::ZERO; nodes.len()],
+            bias: vec![Spatial::ZERO; nodes.len()],
+            sigma: vec![Vector3::zeros(); nodes.len()],
+            eta: vec![Spatial::ZERO; nodes.len()],
         }
     }
 
-    /// One Newton correction of a step of size `h`: calls `add(i, f)` with the change of each joint's impulse.
+    /// Factorises at the end of the given motions. `inertia(i)` is `R0 I~ R0^T` of node `i`, `implicit(i)` what the
+    /// joint's own forces add to `D`.
     ///
     /// # Errors
     /// A block that cannot be inverted.
-    pub(in crate::variational) fn correct(
+    pub(in crate::variational) fn factorise(
         &mut self,
         nodes: &[Node],
         frames: &[JointFrame],
-        h: f64,
-        mut add: impl FnMut(usize, Wrench),
+        motion: impl Fn(usize) -> Motion,
+        inertia: impl Fn(usize) -> Matrix3<f64>,
+        implicit: impl Fn(usize) -> f64,
     ) -> Result<(), Singular> {
         for i in 1..nodes.len() {
             let (frame, parent) = (&frames[i], nodes[i].parent);
-            let (tried, carried) = (&self.tried[i], &self.tried[parent].motion);
-            let moved = &tried.motion;
-            let arm1 = frame.arm + moved.turned(&frame.arm);
-            let com =
-                block(&(Matrix3::identity() * nodes[i].mass), &Matrix3::zeros(), &Matrix3::zeros(), &tried.inertia);
-            self.a[i] = wrench_shift(&-frame.arm) * com * twist_shift(&-arm1);
-            self.rhs[i] = tried.kick.wrench_from(&-frame.arm).to_vector();
-            let parent_arm = frames[parent].arm;
-            self.offset1[i] =
-                frame.offset + (moved.dx - carried.dx) + moved.turned(&frame.arm) - carried.turned(&parent_arm);
+            let (moved, carried) = (motion(i), motion(parent));
+            let turned = moved.turned(&frame.arm);
+            self.a[i] = Response::of_body(nodes[i].mass, &inertia(i), &frame.arm, &(frame.arm + turned));
+            self.offset1[i] = frame.offset + (moved.dx - carried.dx) + turned - carried.turned(&frames[parent].arm);
         }
         for i in (1..nodes.len()).rev() {
-            let (frame, parent) = (&frames[i], nodes[i].parent);
-            if nodes[i].is_free() {
-                continue;
+            let (frame, node, parent) = (&frames[i], &nodes[i], nodes[i].parent);
+            let mut passed = self.a[i];
+            match &mut self.elimination[i] {
+                Elimination::One(one) => {
+                    let carried = motion(parent);
+                    *one = One::new(&passed, node, frame, &carried, implicit(i)).ok_or(Singular { node: i })?;
+                    passed.subtract_product(&one.u.scaled(one.d_inverse), &one.v);
+                }
+                Elimination::Three(three) => {
+                    let carried = motion(parent);
+                    **three = Three::new(&passed, node, frame, &carried, implicit(i)).ok_or(Singular { node: i })?;
+                    let Three { u, v, d_inverse, .. } = &**three;
+                    for (k, v) in v.iter().enumerate() {
+                        let column = d_inverse.column(k);
+                        let scaled = u[0].scaled(column[0]) + u[1].scaled(column[1]) + u[2].scaled(column[2]);
+                        passed.subtract_product(&scaled, v);
+                    }
+                }
+                Elimination::Free(factors) => {
+                    **factors = passed.to_matrix().lu();
+                    if !factors.is_invertible() {
+                        return Err(Singular { node: i });
+                    }
+                    continue;
+                }
             }
-            let (tried, carried) = (&self.tried[i], &self.tried[parent].motion);
-            let axes1 = Matrix3::from_columns(&[0, 1, 2].map(|k| {
-                let axis = frame.axes.column(k).into_owned();
-                axis + carried.turned(&axis)
-            }));
-            let (s0, s1) = (subspace(nodes[i].kind, &frame.axes), subspace(nodes[i].kind, &axes1));
-            let u = self.a[i] * s1;
-            let left = s0.transpose() * self.a[i];
-            let mut d = s0.transpose() * u;
-            for k in 0..3 {
-                // A joint with one coordinate leaves two rows empty.
-                d[(k, k)] += if k < nodes[i].kind.degrees_of_freedom() { tried.implicit } else { 1.0 };
-            }
-            let d_inverse = d.try_inverse().ok_or(Singular { node: i })?;
-            (self.s1[i], self.u[i]) = (s1, u);
-            (self.d_s[i], self.v[i]) = (d_inverse * s0.transpose(), d_inverse * left);
-            let biased = self.rhs[i] - self.a[i] * closing_twist(&tried.locked, &tried.turn, carried, h).to_vector();
-            self.sigma[i] = d_inverse * (s0.transpose() * biased - tried.along);
             if parent > 0 {
-                let passed = self.a[i] - u * self.v[i];
-                self.a[parent] += wrench_shift(&frame.offset) * passed * twist_shift(&self.offset1[i]);
-                self.rhs[parent] += wrench_shift(&frame.offset) * (biased - u * self.sigma[i]);
+                self.a[parent].add_shifted(&passed, &frame.offset, &self.offset1[i]);
             }
-        }
-        for i in 1..nodes.len() {
-            let parent = nodes[i].parent;
-            if nodes[i].is_free() {
-                self.eta[i] = self.a[i].lu().solve(&self.rhs[i]).ok_or(Singular { node: i })?;
-                continue;
-            }
-            let carried = twist_shift(&self.offset1[i]) * self.eta[parent];
-            let sigma = self.sigma[i] - self.v[i] * carried;
-            let tried = &self.tried[i];
-            let bias = closing_twist(&tried.locked, &tried.turn, &self.tried[parent].motion, h).to_vector();
-            self.eta[i] = carried + bias + self.s1[i] * sigma;
-            add(i, Spatial::from_vector(&(self.a[i] * self.eta[i] - self.rhs[i])));
         }
         Ok(())
     }
 
-    /// What impulses on the bodies at `q0` cause beside the joints' closing, with the factors of the last
-    /// [`Newton::correct`]: `load` writes them about the joint points, `add(i, f)` gets the change of each joint's impulse,
-    /// [`Newton::motion`] has the twists.
-    ///
-    /// # Errors
-    /// A block that cannot be inverted.
-    pub(in crate::variational) fn respond(
-        &mut self,
-        nodes: &[Node],
-        frames: &[JointFrame],
-        load: impl FnOnce(&mut [Vector6<f64>]),
-        mut add: impl FnMut(usize, Wrench),
-    ) -> Result<(), Singular> {
-        self.rhs.fill(Vector6::zeros());
-        load(&mut self.rhs);
-        for i in (1..nodes.len()).rev().filter(|&i| !nodes[i].is_free()) {
-            self.sigma[i] = self.d_s[i] * self.rhs[i];
-            let passed = self.rhs[i] - self.u[i] * self.sigma[i];
-            self.rhs[nodes[i].parent] += wrench_shift(&frames[i].offset) * passed;
-        }
-        self.eta[0] = Vector6::zeros();
-        for i in 1..nodes.len() {
-            if nodes[i].is_free() {
-                self.eta[i] = self.a[i].lu().solve(&self.rhs[i]).ok_or(Singular { node: i })?;
-                continue;
-            }
-            let carried = twist_shift(&self.offset1[i]) * self.eta[nodes[i].parent];
-            self.eta[i] = carried + self.s1[i] * (self.sigma[i] - self.v[i] * carried);
-            add(i, Spatial::from_vector(&(self.a[i] * self.eta[i] - self.rhs[i])));
-        }
-        Ok(())
+    /// Takes all impulses off the bodies, and holds all joints.
+    pub(in crate::variational) fn unload(&mut self) {
+        self.rhs.fill(Spatial::ZERO);
+        self.bias.fill(Spatial::ZERO);
+    }
+
+    /// Puts an impulse on a node for the next [`Newton::solve`], about its joint point at `q0`.
+    pub(in crate::variational) fn load(&mut self, node: usize, impulse: Wrench) {
+        self.rhs[node] += impulse;
     }
 
     /// Twist of a node at its joint point in the last solution.
     pub(in crate::variational) fn motion(&self, node: usize) -> Twist {
-        Spatial::from_vector(&self.eta[node])
+        self.eta[node]
+    }
+
+    /// Closes a joint by a twist ([`closing_twist`]) in the next [`Newton::solve`].
+    #[inline(always)]
+    pub(in crate::variational) fn close(&mut self, node: usize, twist: Twist) {
+        self.bias[node] = twist;
+    }
+
+    /// What the impulses of [`Newton::load`] and the twists of [`Newton::close`] cause, with `S0 . f = -along`: `add(i,
+    /// f)` gets the change of each joint's impulse, [`Newton::motion`] has the twists.
+    pub(in crate::variational) fn solve(
+        &mut self,
+        nodes: &[Node],
+        frames: &[JointFrame],
+        along: impl Fn(usize) -> Vector3<f64>,
+        mut add: impl FnMut(usize, Wrench),
+    ) {
+        for i in (1..nodes.len()).rev() {
+            let mut rhs = self.rhs[i] - self.a[i].times(&self.bias[i]);
+            match &self.elimination[i] {
+                Elimination::One(One { s0, u, d_inverse, .. }) => {
+                    let sigma = d_inverse * (s0.dot(&rhs) - along(i).x);
+                    self.sigma[i].x = sigma;
+                    rhs -= u.scaled(sigma);
+                }
+                Elimination::Three(three) => {
+                    let Three { s0, u, d_inverse, .. } = &**three;
+                    let sigma = d_inverse * (Vector3::from_fn(|k, _| s0[k].dot(&rhs)) - along(i));
+                    self.sigma[i] = sigma;
+                    rhs -= u[0].scaled(sigma.x) + u[1].scaled(sigma.y) + u[2].scaled(sigma.z);
+                }
+                Elimination::Free(_) => continue,
+            }
+            let parent = nodes[i].parent;
+            if parent > 0 {
+                self.rhs[parent] += rhs.wrench_from(&frames[i].offset);
+            }
+        }
+        for i in 1..nodes.len() {
+            let carried = self.eta[nodes[i].parent].twist_at(&self.offset1[i]);
+            let mut eta = carried + self.bias[i];
+            match &self.elimination[i] {
+                Elimination::One(One { s1, v, d_inverse, .. }) => {
+                    eta += s1.scaled(self.sigma[i].x - d_inverse * v.dot(&carried));
+                }
+                Elimination::Three(three) => {
+                    let Three { s1, v, d_inverse, .. } = &**three;
+                    let sigma = self.sigma[i] - d_inverse * Vector3::from_fn(|k, _| v[k].dot(&carried));
+                    eta += s1[0].scaled(sigma.x) + s1[1].scaled(sigma.y) + s1[2].scaled(sigma.z);
+                }
+                Elimination::Free(factors) => {
+                    // Factors that are not of full rank are refused when they are made.
+                    let eta =
+                        factors.solve(&self.rhs[i].to_vector()).map_or(Spatial::ZERO, |x| Spatial::from_vector(&x));
+                    self.eta[i] = eta;
+                    add(i, Spatial::ZERO);
+                    continue;
+                }
+            }
+            self.eta[i] = eta;
+            add(i, self.a[i].times(&eta) - self.rhs[i]);
+        }
     }
 }
 
 /// The relative twist that closes a joint in `h`: the change of the Cayley vector `turn` by `-e` is a rotation by
 /// `-2 / (1 + |turn|^2) (e + turn x e)` before the parent's own rotation.
-pub(in crate::variational) fn closing_twist(locked: &Twist, turn: &Vector3<f64>, carried: &Motion, h: f64) -> Twist {
+#[inline(always)]
+pub(in crate::variational) fn closing_twist(locked: &Twist, turn: &Vector3<f64>, carried: &Motion) -> Twist {
     let e = 0.5 * locked.angular;
     let rotation = (e + turn.cross(&e)) * (2.0 / (1.0 + turn.norm_squared()));
-    Spatial::new(locked.linear, rotation + carried.turned(&rotation)).scaled(-1.0 / h)
-}
-
-/// `I~` of a body: `R0 1/2 K (1 + [s])^-1 R0^T`, with `k` as [`crate::variational::Rotation::derivative`] gives it.
-pub(in crate::variational) fn turning_inertia(r0: &Matrix3<f64>, s: &Vector3<f64>, k: &Matrix3<f64>) -> Matrix3<f64> {
-    // (1 + [s])^-1 = (1 - [s] + s s^T) / (1 + |s|^2)
-    let inverse = (Matrix3::identity() - s.cross_matrix() + s * s.transpose()) / (1.0 + s.norm_squared());
-    r0 * (0.5 * k * inverse) * r0.transpose()
-}
-
-/// The free directions as columns; empty ones for a joint with one coordinate.
-fn subspace(kind: JointKind, axes: &Matrix3<f64>) -> Matrix6x3 {
-    Matrix6x3::from_columns(&directions(kind, axes).map(Spatial::to_vector))
-}
-
-fn block(a: &Matrix3<f64>, b: &Matrix3<f64>, c: &Matrix3<f64>, d: &Matrix3<f64>) -> Matrix6<f64> {
-    let mut all = Matrix6::zeros();
-    all.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
-    all.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
-    all.fixed_view_mut::<3, 3>(3, 0).copy_from(c);
-    all.fixed_view_mut::<3, 3>(3, 3).copy_from(d);
-    all
-}
-
-/// [`Spatial::twist_at`] as a matrix.
-fn twist_shift(r: &Vector3<f64>) -> Matrix6<f64> {
-    block(&Matrix3::identity(), &-r.cross_matrix(), &Matrix3::zeros(), &Matrix3::identity())
-}
-
-/// [`Spatial::wrench_from`] as a matrix.
-fn wrench_shift(r: &Vector3<f64>) -> Matrix6<f64> {
-    block(&Matrix3::identity(), &Matrix3::zeros(), &r.cross_matrix(), &Matrix3::identity())
+    Spatial::new(locked.linear, rotation + carried.turned(&rotation))
 }

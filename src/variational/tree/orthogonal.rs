@@ -1,7 +1,8 @@
 //! Rank-revealing factorisation of small dense matrices: the complete orthogonal decomposition.
 //!
 //! Householder steps with column pivoting give `A P = Q [R; 0]`, rows of `R` that are zero to roundoff are dropped, and
-//! Householder steps from the right turn what is left into a triangle (Golub and Van Loan, "Matrix Computations", 5.4.7):
+//! Householder steps from the right turn what is left into a triangle (Golub and Van Loan, "Matrix Computations",
+//! 5.4.7):
 //!
 //! ```text
 //! A = Q [ T 0 ; 0 0 ] Z^T P^T ,     T upper triangular, rank x rank.
@@ -81,7 +82,8 @@ impl Orthogonal {
         self.leave_row_space(x);
     }
 
-    /// `x <- P Z [ T^-1 (Q^T x)_rank ; 0 ]`: the least-squares solution of least norm of `A y = x`, for a square matrix.
+    /// `x <- P Z [ T^-1 (Q^T x)_rank ; 0 ]`: the least-squares solution of least norm of `A y = x`, for a square
+    /// matrix.
     pub(in crate::variational) fn solve(&mut self, x: &mut [f64]) {
         for k in 0..self.rank {
             let column = &self.a[k * self.rows..(k + 1) * self.rows];

@@ -7,20 +7,16 @@
 //! K T K^T nu = W^T W nu ,      W = D^-1/2 S^T (innovations of K^T) ,
 //! ```
 //!
-//! where the innovation of a joint is what the recursion of [`super::tree`] finds along its free directions. A row with the
-//! compliance `epsilon` (a spring) adds `epsilon` to the diagonal: one more row of `W` with `sqrt(epsilon)`. `W` is
+//! where the innovation of a joint is what the recursion of [`super::tree`] finds along its free directions. A row with
+//! the compliance `epsilon` (a spring) adds `epsilon` to the diagonal: one more row of `W` with `sqrt(epsilon)`. `W` is
 //! factorised with its rank revealed, so that redundant rows share the impulse of least norm.
 
 use super::factor::Tree;
 use super::orthogonal::Orthogonal;
 use super::row::Row;
 use super::spatial::Wrench;
+use crate::mechanics::RANK;
 use crate::variational::chain::{JointFrame, Node};
-
-/// A row whose velocity, over that of the same row on free bodies, is below this is implied by the other rows.
-/// On an overconstrained linkage the last singular value is as large as the state's distance from its path: a tighter
-/// bound sometimes takes it for a row, and the linkage stops dead.
-const RANK: f64 = 1e-7;
 
 /// The factorised Schur complement of some rows.
 #[derive(Clone, Debug)]
@@ -41,8 +37,8 @@ impl Schur {
         Schur { factors, scale: none.clone(), mobility: none, freedoms }
     }
 
-    /// Factorises. `mobility(i, w)` is `w M^-1 w` of a wrench about the centre of mass of a free node; the last rows are
-    /// springs with the given compliances.
+    /// Factorises. `mobility(i, w)` is `w M^-1 w` of a wrench about the centre of mass of a free node; the last rows
+    /// are springs with the given compliances.
     pub(in crate::variational) fn factorise(
         &mut self,
         tree: &Tree,
@@ -79,17 +75,8 @@ impl Schur {
         self.apply_scale(x);
     }
 
-    /// Takes away what of `x` no impulse along the rows can change.
-    pub(in crate::variational) fn keep_reachable(&mut self, x: &mut [f64]) {
-        if self.factors.rank() < x.len() {
-            self.apply_scale(x);
-            self.factors.project_on_rows(x);
-            self.remove_scale(x);
-        }
-    }
-
-    /// Takes away the part of the impulses `x` that changes nothing. Impulses extrapolated from step to step would gather
-    /// such a part, which nothing corrects: it grew without bound on a Bricard linkage.
+    /// Takes away the part of the impulses `x` that changes nothing. Impulses extrapolated from step to step would
+    /// gather such a part, which nothing corrects: it grew without bound on a Bricard linkage.
     pub(in crate::variational) fn keep_effective(&mut self, x: &mut [f64]) {
         if self.factors.rank() < x.len() {
             self.remove_scale(x);

@@ -1,7 +1,5 @@
 //! Solves with a factorised tree: a sweep towards the root, and one away from it.
 
-use std::ops::Range;
-
 use nalgebra::{Cholesky, Vector3};
 
 use super::elimination::{Elimination, Three};
@@ -10,72 +8,37 @@ use super::spatial::{Spatial, Twist, Wrench};
 use crate::variational::chain::{JointFrame, Node};
 
 impl Tree {
-    /// Solves `M v = b + G^T lambda`, `G v = 0`. `b(i)` is a wrench about the centre of mass; `solution(i, v, f)` gets the
-    /// twist of each node at its joint point and the wrench on it about that point.
+    /// Solves `M v = b + G^T lambda`, `G v = 0`. `b(i)` is a wrench about the centre of mass; `solution(i, v, f)` gets
+    /// the twist of each node at its joint point and the wrench on it about that point.
     pub(in crate::variational) fn project(
         &mut self,
-        nodes: &[Node],
         frames: &[JointFrame],
         b: impl Fn(usize) -> Wrench,
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
-        for i in 1..nodes.len() {
+        for i in 1..self.rhs.len() {
             self.rhs[i] = b(i).wrench_from(&-frames[i].arm);
         }
-        self.sweep(nodes, frames, |_| None, |_| Vector3::zeros(), &mut solution);
+        self.sweep(frames, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// Solves `M v = G^T lambda`, `G v = c`, `S . f = -along` (plus the implicit part of the joint's own force): a
     /// correction of the wrenches by the joints' mismatch.
     pub(in crate::variational) fn correct(
         &mut self,
-        nodes: &[Node],
         frames: &[JointFrame],
         bias: impl Fn(usize) -> Twist,
         along: impl Fn(usize) -> Vector3<f64>,
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
         self.rhs[1..].fill(Spatial::ZERO);
-        self.sweep(nodes, frames, |i| Some(bias(i)), along, &mut solution);
+        self.sweep(frames, |i| Some(bias(i)), along, &mut solution);
     }
 
-    /// [`Tree::correct`] of the nodes before `tail` alone, as if the mismatch of all others were zero. The nodes from `tail` on hang
-    /// on that one; of them only the wrench in the joint of `tail` is found. Returns the twist of its parent, which carries them along.
-    pub(in crate::variational) fn correct_head(
-        &mut self,
-        frames: &[JointFrame],
-        tail: usize,
-        bias: impl Fn(usize) -> Twist,
-        mut solution: impl FnMut(usize, &Twist, Wrench),
-    ) -> Twist {
-        self.rhs[1..=tail].fill(Spatial::ZERO);
-        self.along[tail] = Vector3::zeros();
-        let bias = |i: usize| (i < tail).then(|| bias(i));
-        self.eliminate(frames, 1..tail, &bias, |_| Vector3::zeros());
-        self.substitute(frames, 1..tail + 1, &bias, &mut solution);
-        self.twist[self.parent[tail]]
-    }
-
-    /// [`Tree::correct`] of all nodes, in which those from `tail` on are carried by `missed` as well: what [`Tree::correct_head`] has
-    /// returned since they were last corrected. The equations are linear, so that this makes up for it.
-    pub(in crate::variational) fn correct_all(
-        &mut self,
-        frames: &[JointFrame],
-        (tail, missed): (usize, &Twist),
-        bias: impl Fn(usize) -> Twist,
-        mut solution: impl FnMut(usize, &Twist, Wrench),
-    ) {
-        self.rhs[1..].fill(Spatial::ZERO);
-        let (bias, n) = (|i: usize| Some(bias(i)), self.parent.len());
-        self.eliminate(frames, 1..n, &bias, |_| Vector3::zeros());
-        self.substitute(frames, 1..tail, &bias, &mut solution);
-        self.twist[self.parent[tail]] += *missed;
-        self.substitute(frames, tail..n, &bias, &mut solution);
-    }
-
-    /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to answer.
-    pub(in crate::variational) fn load(&mut self, nodes: &[Node], frames: &[JointFrame], b: impl Fn(usize) -> Wrench) {
-        for i in 1..nodes.len() {
+    /// Sets the right-hand sides of a correction in which bodies have impulses `b(i)` about their centres of mass to
+    /// answer.
+    pub(in crate::variational) fn load(&mut self, frames: &[JointFrame], b: impl Fn(usize) -> Wrench) {
+        for i in 1..self.rhs.len() {
             self.rhs[i] = b(i).wrench_from(&-frames[i].arm);
         }
     }
@@ -83,26 +46,24 @@ impl Tree {
     /// [`Tree::correct`] with the right-hand sides of [`Tree::load`].
     pub(in crate::variational) fn correct_loaded(
         &mut self,
-        nodes: &[Node],
         frames: &[JointFrame],
         bias: impl Fn(usize) -> Twist,
         along: impl Fn(usize) -> Vector3<f64>,
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
-        self.sweep(nodes, frames, |i| Some(bias(i)), along, &mut solution);
+        self.sweep(frames, |i| Some(bias(i)), along, &mut solution);
     }
 
     /// Solves `M v = b + G^T lambda`, `G v = 0` for wrenches `b` about the joint points, which `load` writes.
     pub(in crate::variational) fn respond(
         &mut self,
-        nodes: &[Node],
         frames: &[JointFrame],
         load: impl FnOnce(&mut [Wrench]),
         mut solution: impl FnMut(usize, &Twist, Wrench),
     ) {
         self.rhs.fill(Spatial::ZERO);
         load(&mut self.rhs);
-        self.sweep(nodes, frames, |_| None, |_| Vector3::zeros(), &mut solution);
+        self.sweep(frames, |_| None, |_| Vector3::zeros(), &mut solution);
     }
 
     /// `D^-1/2 S^T rhs` of every joint on the way of the given wrenches (about joint points) to the ground, so that the
@@ -166,26 +127,24 @@ impl Tree {
     #[inline(always)]
     fn sweep(
         &mut self,
-        nodes: &[Node],
         frames: &[JointFrame],
         bias: impl Fn(usize) -> Option<Twist>,
         along: impl Fn(usize) -> Vector3<f64>,
         solution: &mut impl FnMut(usize, &Twist, Wrench),
     ) {
-        self.eliminate(frames, 1..nodes.len(), &bias, along);
-        self.substitute(frames, 1..nodes.len(), &bias, solution);
+        self.eliminate(frames, &bias, along);
+        self.substitute(frames, &bias, solution);
     }
 
-    /// The sweep of some nodes towards the root, which eliminates the free directions of their joints.
+    /// The sweep towards the root, which eliminates the free directions of their joints.
     #[inline(always)]
     fn eliminate(
         &mut self,
         frames: &[JointFrame],
-        range: Range<usize>,
         bias: &impl Fn(usize) -> Option<Twist>,
         along: impl Fn(usize) -> Vector3<f64>,
     ) {
-        for i in range.rev() {
+        for i in (1..self.parent.len()).rev() {
             let mut rhs = self.rhs[i];
             if let Some(bias) = bias(i) {
                 rhs -= self.inertia[i].times(&bias);
@@ -217,16 +176,15 @@ impl Tree {
         }
     }
 
-    /// The sweep of some nodes away from the root, which finds their twists and the wrenches in their joints.
+    /// The sweep away from the root, which finds their twists and the wrenches in their joints.
     #[inline(always)]
     fn substitute(
         &mut self,
         frames: &[JointFrame],
-        range: Range<usize>,
         bias: &impl Fn(usize) -> Option<Twist>,
         solution: &mut impl FnMut(usize, &Twist, Wrench),
     ) {
-        for i in range {
+        for i in 1..self.parent.len() {
             let carried = self.twist[self.parent[i]].twist_at(&frames[i].offset);
             let mut v = bias(i).map_or(carried, |bias| carried + bias);
             match &self.elimination[i] {

@@ -108,8 +108,8 @@ pub(in crate::variational) struct Inertia {
 }
 
 impl Inertia {
-    /// A rigid body of the given mass and inertia about its centre of mass (world axes), seen at the point `r` away from
-    /// the centre of mass: `M = m 1`, `H = m [r]`, `J + m (|r|^2 1 - r r^T)`.
+    /// A rigid body of the given mass and inertia about its centre of mass (world axes), seen at the point `r` away
+    /// from the centre of mass: `M = m 1`, `H = m [r]`, `J + m (|r|^2 1 - r r^T)`.
     #[inline(always)]
     pub(in crate::variational) fn of_body(mass: f64, inertia: &Matrix3<f64>, r: &Vector3<f64>) -> Inertia {
         let mr = mass * r;
@@ -157,14 +157,14 @@ impl Inertia {
 
 /// `A [r]`: each row of A crossed with r.
 #[inline(always)]
-fn times_cross(a: &Matrix3<f64>, r: &Vector3<f64>) -> Matrix3<f64> {
+pub(super) fn times_cross(a: &Matrix3<f64>, r: &Vector3<f64>) -> Matrix3<f64> {
     let (c0, c1, c2) = (a.column(0), a.column(1), a.column(2));
     Matrix3::from_columns(&[c1 * r.z - c2 * r.y, c2 * r.x - c0 * r.z, c0 * r.y - c1 * r.x])
 }
 
 /// `[r] A`: r crossed with each column of A.
 #[inline(always)]
-fn cross_times(r: &Vector3<f64>, a: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn cross_times(r: &Vector3<f64>, a: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[r.cross(&a.column(0)), r.cross(&a.column(1)), r.cross(&a.column(2))])
 }
 

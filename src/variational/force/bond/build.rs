@@ -1,12 +1,9 @@
 //! The bonds of a system.
 
-use nalgebra::{Matrix3, Vector3};
-
-use super::state::{Bond, Kind, SPRING_ROWS};
+use super::state::{Bond, Kind};
 use crate::mechanics::{JointKind, PointSpring, System};
 use crate::model::scene::LoopKind;
 use crate::variational::chain::{Mount, Node};
-use crate::variational::tree::spatial::Spatial;
 
 /// The bonds of a system: loops, couplings, springs, in this order, so that the rows of springs come last.
 pub(in crate::variational) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond> {
@@ -53,22 +50,7 @@ pub(in crate::variational) fn bonds(system: &System, nodes: &[Node]) -> Vec<Bond
     let mut first = 0;
     let bond = |(kind, child, parent, count)| {
         first += count;
-        Bond {
-            kind,
-            child,
-            parent,
-            first: first - count,
-            count,
-            arm: Vector3::zeros(),
-            parent_arm: Vector3::zeros(),
-            axes: Matrix3::identity(),
-            gap0: Spatial::ZERO,
-            span: Vector3::zeros(),
-            length: Vector3::zeros().into(),
-            change: [0.0; SPRING_ROWS],
-            stiff: false,
-            passed: 0.0,
-        }
+        Bond::new(kind, (child, parent), first - count..first)
     };
     loops.chain(couplings).chain(springs).map(bond).collect()
 }

@@ -9,9 +9,9 @@ use crate::variational::tree::newton::closing_twist;
 use crate::variational::tree::spatial::{Spatial, Twist};
 
 impl Bond {
-    /// What the motions of a step leave the bond short of: writes one figure a row (m, rad) into `gap`. `nu` are the rows'
-    /// impulses, `grip` by how much the gap of a spring moves the bodies, over the gap. Returns what roundoff may do to the motion,
-    /// over `f64::EPSILON`.
+    /// What the motions of a step leave the bond short of: writes one figure a row (m, rad) into `gap`. `nu` are the
+    /// rows' impulses, `grip` by how much the gap of a spring moves the bodies, over the gap. Returns what roundoff may
+    /// do to the motion, over `f64::EPSILON`.
     pub(in crate::variational) fn measure(
         &mut self,
         h: f64,
@@ -113,7 +113,7 @@ impl Bond {
         };
         let (child, parent) = (motion(self.child), motion(self.parent));
         let (locked, turn) = self.locked(&child, &parent);
-        let bias = closing_twist(&locked, &turn, &parent, h);
+        let bias = closing_twist(&locked.scaled(-1.0 / h), &turn, &parent);
         for (target, (slot, axis)) in target.iter_mut().zip(locked_axes(*kind)) {
             let axis = self.axes.column(axis).into_owned();
             let axis = axis + parent.turned(&axis);
@@ -124,7 +124,8 @@ impl Bond {
         }
     }
 
-    /// How far the impulses move the lighter body in a step, m: a stiff pull and the momentum that it turns round cancel.
+    /// How far the impulses move the lighter body in a step, m: a stiff pull and the momentum that it turns round
+    /// cancel.
     fn moved_by(&self, nu: &[f64], h: f64, nodes: &[Node]) -> f64 {
         let pull = nu.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let mass = [self.child, self.parent].map(|i| nodes[i].mass).into_iter().filter(|m| *m > 0.0);

@@ -1,17 +1,19 @@
 //! A bond and its state.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::model::scene::LoopKind;
 use crate::numeric::Compensated3;
 use crate::variational::chain::Node;
-use crate::variational::tree::spatial::Twist;
+use crate::variational::tree::spatial::{Spatial, Twist};
 
 /// What a bond is.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
-    /// A joint between two nodes of the tree. `ball` is the same as a ball joint where all motion is locked: the linear part
-    /// of the lock is the ball joint's then, the angular part that of `joint`, a slider.
+    /// A joint between two nodes of the tree. `ball` is the same as a ball joint where all motion is locked: the linear
+    /// part of the lock is the ball joint's then, the angular part that of `joint`, a slider.
     Loop { kind: LoopKind, joint: Box<Node>, ball: Option<Box<Node>> },
     /// `theta(follower) - multiplier theta(source)` stays what it is.
     Coupling { source: usize, multiplier: f64 },
@@ -21,15 +23,16 @@ pub(super) enum Kind {
     Pull { from: Vector3<f64>, to: Vector3<f64>, stiffness: f64, damping: f64 },
 }
 
-/// The largest `beta` with which the points of a spring may pass each other within a step: two bodies that pass on a line for
-/// 20 000 steps change their energy by up to 0.2 at a `beta` of 0.01, by up to 0.05 at 1e-4, and without bound from 0.16 on.
+/// The largest `beta` with which the points of a spring may pass each other within a step: two bodies that pass on a
+/// line for 20 000 steps change their energy by up to 0.2 at a `beta` of 0.01, by up to 0.05 at 1e-4, and without bound
+/// from 0.16 on.
 const PASS: f64 = 0.01;
 
 /// The largest compliance of a row, m/(N s^2): its square root stays a number.
 const SLACK: f64 = 1e200;
 
 /// Rows of a spring, at most.
-pub(super) const SPRING_ROWS: usize = 4;
+const SPRING_ROWS: usize = 4;
 
 /// A bond, and where it is at the start of the step.
 #[derive(Clone, Debug)]
@@ -48,22 +51,43 @@ pub(in crate::variational) struct Bond {
     pub(super) gap0: Twist,
     /// The way from a spring's first point to its second, m.
     pub(super) span: Vector3<f64>,
-    /// Of a spring how far it is stretched, m, as a vector if its rest length is 0; of a coupling what it is open by, rad or m.
+    /// Of a spring how far it is stretched, m, as a vector if its rest length is 0; of a coupling what it is open by,
+    /// rad or m.
     pub(super) length: Compensated3,
     /// Change of what each row sees over the step that is being tried. The first three belong to `length`.
     pub(super) change: [f64; SPRING_ROWS],
-    /// A spring whose points must not pass each other, and how far apart they are on the far side in the step that is being
-    /// tried, m.
+    /// A spring whose points must not pass each other, and how far apart they are on the far side in the step that is
+    /// being tried, m.
     pub(super) stiff: bool,
     pub(super) passed: f64,
 }
 
 impl Bond {
+    /// A bond between two nodes with its place among the rows, not yet placed.
+    pub(super) fn new(kind: Kind, (child, parent): (usize, usize), rows: Range<usize>) -> Bond {
+        Bond {
+            kind,
+            child,
+            parent,
+            first: rows.start,
+            count: rows.len(),
+            arm: Vector3::zeros(),
+            parent_arm: Vector3::zeros(),
+            axes: Matrix3::identity(),
+            gap0: Spatial::ZERO,
+            span: Vector3::zeros(),
+            length: Vector3::zeros().into(),
+            change: [0.0; SPRING_ROWS],
+            stiff: false,
+            passed: 0.0,
+        }
+    }
+
     pub(in crate::variational) fn is_spring(&self) -> bool {
         matches!(self.kind, Kind::Spring { .. } | Kind::Pull { .. })
     }
 
-    pub(in crate::variational) fn rows(&self) -> std::ops::Range<usize> {
+    pub(in crate::variational) fn rows(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
 
@@ -86,8 +110,8 @@ impl Bond {
         self.stiff = self.kappa(0, h) * h * mobility > PASS;
     }
 
-    /// Takes the stretch of a spring from the positions, before the first step. It is summed up and not the distance, whose
-    /// roundoff would be a force of a stiff spring.
+    /// Takes the stretch of a spring from the positions, before the first step. It is summed up and not the distance,
+    /// whose roundoff would be a force of a stiff spring.
     pub(in crate::variational) fn start(&mut self) {
         self.length = self.stretch().into();
     }

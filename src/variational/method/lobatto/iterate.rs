@@ -112,7 +112,7 @@ impl Lobatto {
                 let axes = &frames[i].axes;
                 stages[i * s + k].wrench += Spatial::new(axes.tr_mul(&f.linear), axes.tr_mul(&f.angular));
             };
-            tree.correct(&self.nodes, frames, |i| bias[i], |_| Vector3::zeros(), add);
+            tree.correct(frames, |i| bias[i], |_| Vector3::zeros(), add);
         }
     }
 }

@@ -24,9 +24,8 @@ impl Lobatto {
     /// (3): the last stage's multipliers, which make the twists fit.
     pub(super) fn project_momenta(&mut self) {
         let s = self.tableau.stages;
-        let (nodes, bodies, twist, bias) = (&self.nodes, &self.bodies, &mut self.twist, &mut self.bias);
+        let (bodies, twist, bias) = (&self.bodies, &mut self.twist, &mut self.bias);
         self.tree.project(
-            nodes,
             &self.frames,
             |i| Spatial::new(bodies[i].p.value, bodies[i].pi.value),
             |i, v, f| {

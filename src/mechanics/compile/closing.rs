@@ -14,8 +14,8 @@ use crate::mechanics::mobility::Mobility;
 use crate::mechanics::parts::Parts;
 use crate::mechanics::rank::RANK;
 
-/// The largest change of a coordinate in one Gauss-Newton step, rad or m: at 0.3 rad the linearisation of a turn errs by
-/// 0.3^2 / 2, a twentieth.
+/// The largest change of a coordinate in one Gauss-Newton step, rad or m: at 0.3 rad the linearisation of a turn errs
+/// by 0.3^2 / 2, a twentieth.
 const LONGEST_STEP: f64 = 0.3;
 
 /// Steps from one start. The shipped linkages take 5 to 23.
@@ -28,8 +28,8 @@ const PROGRESS: f64 = 0.9;
 /// Starts that are tried. The shipped linkages close from the first, second or third.
 const STARTS: usize = 40;
 
-/// Phases of the starts over coordinates and over starts, rad: the golden angle spreads them evenly, and the other is in
-/// no simple ratio to it.
+/// Phases of the starts over coordinates and over starts, rad: the golden angle spreads them evenly, and the other is
+/// in no simple ratio to it.
 const PHASES: (f64, f64) = (2.399_963, 1.234_567);
 
 /// How far closures may be open in a consistent state: m or rad for positions, m/s or rad/s for velocities, each

@@ -69,7 +69,10 @@ pub enum Problem {
     TwoRotations { element: String },
     #[error("{element}: <origin quat_xyzw=\"{value}\"> is zero; write a quaternion of length 1")]
     ZeroQuaternion { element: String, value: String },
-    #[error("joint '{joint}': type '{value}' is not known; types are: {}", JointKind::ALL.map(JointKind::name).join(", "))]
+    #[error(
+        "joint '{joint}': type '{value}' is not known; types are: {}",
+        JointKind::ALL.map(JointKind::name).join(", ")
+    )]
     UnknownJointType { joint: String, value: String },
     #[error("{element}: is defined more than once; rename one of them")]
     Duplicate { element: String },

@@ -42,8 +42,8 @@ pub(super) fn inertial(
         remarks.push(format!("link '{link}': inertia is zero, so the link is a point mass"));
     } else if excess > TRIANGLE * moments[2] {
         remarks.push(format!(
-            "link '{link}': principal moments of inertia {:.6e}, {:.6e}, {:.6e} kg m^2 break the triangle inequality, so \
-             no body has them; they are used as written",
+            "link '{link}': principal moments of inertia {:.6e}, {:.6e}, {:.6e} kg m^2 break the triangle inequality, \
+             so no body has them; they are used as written",
             moments[0], moments[1], moments[2]
         ));
     }

@@ -25,7 +25,8 @@ use crate::mechanics::{Coupling, RANK};
 use crate::reduced::closure::Closure;
 use crate::reduced::model::Model;
 
-/// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in 4 to 11 on the shipped linkages.
+/// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in 4 to 11 on the shipped
+/// linkages.
 const SWEEPS: usize = 40;
 
 /// A frame in world axes: where it is, how it moves, and its accelerations at constant joint velocities.

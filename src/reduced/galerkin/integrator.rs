@@ -11,8 +11,8 @@ use crate::reduced::equations::hamiltonian::{LinkConstants, canonical, momentum_
 use crate::reduced::model::Model;
 use crate::reduced::number::real::{LANES, Lanes};
 
-/// Rounds before the stages are continued from shorter steps. Measured over 1 s: at 20 ms at most 16 (chains of 2 and 10
-/// links, `heavy_top`, `joint_zoo`), at 50 ms at most 50 where they converge at all.
+/// Rounds before the stages are continued from shorter steps. Measured over 1 s: at 20 ms at most 16 (chains of 2 and
+/// 10 links, `heavy_top`, `joint_zoo`), at 50 ms at most 50 where they converge at all.
 pub(super) const MOST_ROUNDS: usize = 60;
 /// Corrections of the velocities, in units of those that hold the scene's energy, that no longer count: a third of the
 /// roundoff in a round. Over 2000 s of two spatial links (4 to 8 stages, 10 and 20 ms) the energy errors by 1.1e-13 to

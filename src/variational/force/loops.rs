@@ -1,7 +1,7 @@
 //! The bonds of a system in a step: their impulses, and the solves that find them.
 //!
 //! Every solve goes in two passes over the tree: one without the rows, one with the impulses that bring the rows to
-//! what they must see ([`super::rows`]).
+//! what they must see ([`crate::variational::tree::schur`]).
 
 use super::bond::{Bond, bonds};
 use super::step_energy::StepEnergy;

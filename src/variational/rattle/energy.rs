@@ -40,9 +40,4 @@ impl Rattle {
     pub(in crate::variational) fn keep_rotation(&mut self) {
         self.settings.automatic = false;
     }
-
-    /// The rotation rule of each body.
-    pub fn rotations(&self) -> &[Rotation] {
-        &self.memory.rules[1..]
-    }
 }

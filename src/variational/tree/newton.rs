@@ -7,7 +7,7 @@
 //! M~ eta = G(q0)^T dlambda ,   G(q1) eta = -phi(q1) / h ,   M~ = diag(m 1, R0 I~ R0^T) ,
 //! ```
 //!
-//! `I~` is [`super::rotation::Rotation::inertia`]. It is the recursion of [`super::tree`] with two motion subspaces,
+//! `I~` is [`crate::variational::Rotation::inertia`]. It is the recursion of [`super`] with two motion subspaces,
 //! `S1` at `q1` on the side of the motion, `S0` at `q0` on the side of the wrench, so that the blocks are not
 //! symmetric:
 //!

@@ -7,7 +7,7 @@
 //! K T K^T nu = W^T W nu ,      W = D^-1/2 S^T (innovations of K^T) ,
 //! ```
 //!
-//! where the innovation of a joint is what the recursion of [`super::tree`] finds along its free directions. A row with
+//! where the innovation of a joint is what the recursion of [`super`] finds along its free directions. A row with
 //! the compliance `epsilon` (a spring) adds `epsilon` to the diagonal: one more row of `W` with `sqrt(epsilon)`. `W` is
 //! factorised with its rank revealed, so that redundant rows share the impulse of least norm.
 

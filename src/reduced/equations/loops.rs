@@ -25,7 +25,7 @@ use crate::mechanics::{Coupling, RANK};
 use crate::reduced::closure::Closure;
 use crate::reduced::model::Model;
 
-/// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in 4 to 11 on the shipped
+/// Sweeps of rotations over all pairs of columns, at most; they converge quadratically, in 3 to 10 on the shipped
 /// linkages.
 const SWEEPS: usize = 40;
 

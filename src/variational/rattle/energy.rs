@@ -1,7 +1,6 @@
 //! The discrete energy of a step.
 
 use super::state::Rattle;
-use crate::variational::rotation::Rotation;
 
 /// A discrete energy and the sum of the sizes of its terms, J.
 #[derive(Clone, Copy, Debug)]

@@ -120,7 +120,7 @@ impl Limits {
 pub(in crate::variational) enum Trust {
     /// As soon as rounds are slow.
     Eager,
-    /// Where the chord iteration has failed.
+    /// Where that has failed.
     Careful,
 }
 
